@@ -11,13 +11,14 @@
 
 namespace curbstone {
 
-/// Where a node's messages go. A node knows no more of the bus than this. So it runs the same over UDP multicast,
+/// The sending side of the bus. It is all that a node knows of the bus, so a node runs the same over UDP multicast,
 /// `memq://`, a log, or inside `curbstone replay`. One thread.
 class Publisher {
  public:
   virtual ~Publisher() = default;
 
-  /// Encodes and sends one message. Called from the node's thread. Never throws: what cannot be sent is counted.
+  /// Encodes and sends one message. Called from the node's thread. Never throws: a message that cannot be sent is
+  /// counted.
   template <class Message>
   void publish(const std::string& channel, const Message& message) {
     const int size = message.getEncodedSize();
@@ -32,16 +33,16 @@ class Publisher {
   std::vector<std::uint8_t> buffer_;
 };
 
-/// What happens to a subscription's queue when its messages come faster than they are handled.
+/// Bounds of a subscription's queue, for messages that come faster than they are handled.
 struct QueueLimit {
   int capacity = 1000;                       ///< messages; when one more comes, the oldest is dropped and counted
-  std::size_t bytes = std::size_t{1} << 26;  ///< the same of all of them together
+  std::size_t bytes = std::size_t{1} << 26;  ///< the same bound for all queued messages together
 };
 
-/// A bus all of whose messages can be seen, whatever their channel and type: for recording.
+/// A bus on which every message can be heard, whatever its channel and type: for recording.
 class Tappable {
  public:
-  /// `utime`: when it came, us; 0 on a bus that knows no time.
+  /// `utime`: arrival time of the message, us; 0 on a bus without times.
   using Tap = std::function<void(const std::string& channel, const void* data, int size, std::int64_t utime)>;
 
   virtual ~Tappable() = default;
@@ -51,7 +52,7 @@ class Tappable {
   virtual void tap(Tap tap, QueueLimit limit, const std::string& except) = 0;
 };
 
-/// Where a node's messages come from. Channels are exact names, not patterns. One thread.
+/// The receiving side of the bus. Channels are exact names, not patterns. One thread.
 class Subscriber {
  public:
   using BytesHandler = std::function<void(const void* data, int size)>;
@@ -59,8 +60,8 @@ class Subscriber {
   virtual ~Subscriber() = default;
 
   /// `handler(const Message&)` is called from the thread that handles the bus. A message that does not decode is
-  /// counted as `refused.undecodable`. A handler that throws is counted as `faults.handler`, for LCM's C code cannot
-  /// pass exceptions on.
+  /// counted as `refused.undecodable`. A handler that throws is counted as `faults.handler`, because an exception
+  /// cannot pass through LCM's C code.
   template <class Message, class Handler>
   void subscribe(const std::string& channel, Handler handler, QueueLimit limit = {}) {
     subscribe_bytes(
@@ -76,7 +77,7 @@ class Subscriber {
         limit);
   }
 
-  /// What was lost or refused on the way in.
+  /// Counts of received messages that were lost or refused.
   [[nodiscard]] virtual Counters counters() const = 0;
 
  protected:

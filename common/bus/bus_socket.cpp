@@ -24,12 +24,12 @@ namespace curbstone {
 namespace {
 
 constexpr std::size_t kHeader = 8;          // "LC02", sequence number
-constexpr std::size_t kDatagrams = 32;      // taken from the kernel at once
+constexpr std::size_t kDatagrams = 32;      // received in one system call
 constexpr std::size_t kDatagram = 65'536;   // bytes
-constexpr std::uint32_t kTells = 1U << 20;  // bytes of a buffer that is not emptied and filled between two looks at it
+constexpr std::uint32_t kTells = 1U << 20;  // bytes: a buffer that cannot fill and empty between two looks at it
 
-/// Datagrams dropped at full receive buffers on this host (in this network namespace): RcvbufErrors, of
-/// /proc/net/snmp's two lines on UDP, a heading and its values.
+/// Datagrams dropped at full receive buffers on this host (in this network namespace): RcvbufErrors in the two UDP
+/// lines of /proc/net/snmp, a heading and its values.
 std::int64_t dropped_on_host() {
   std::ifstream table("/proc/self/net/snmp");
   std::string heading, values;
@@ -52,7 +52,7 @@ void set_option(int fd, int level, int option, int value, const char* name) {
   set_option(fd, level, option, &value, sizeof value, name);
 }
 
-/// Only what is sent to the group is heard; the interface is that of the route to it.
+/// Joins the group on the interface of the route to it. The socket receives only datagrams sent to the group.
 void join(int fd, const BusAddress& address) {
   sockaddr_in group{};
   group.sin_family = AF_INET;
@@ -67,7 +67,7 @@ void join(int fd, const BusAddress& address) {
   set_option(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership, "IP_ADD_MEMBERSHIP");
 }
 
-/// When the kernel had the datagram, us.
+/// The time at which the kernel received the datagram, us.
 std::int64_t time_of(const msghdr& header) {
   for (const cmsghdr* control = CMSG_FIRSTHDR(&header); control != nullptr;
        control = CMSG_NXTHDR(const_cast<msghdr*>(&header), const_cast<cmsghdr*>(control))) {
@@ -83,14 +83,14 @@ bool is_fragment(std::span<const std::uint8_t> datagram) {
   return datagram.size() >= 4 && read_big_endian<std::uint32_t>(datagram) == FragmentAssembler::kMagic;
 }
 
-/// Address and port.
+/// Address and port as one number.
 std::uint64_t number_of(const sockaddr_in& sender) {
   return std::uint64_t{ntohl(sender.sin_addr.s_addr)} << 16 | ntohs(sender.sin_port);
 }
 
 }  // namespace
 
-/// What recvmmsg() fills.
+/// The buffers of recvmmsg().
 struct BusSocket::Batch {
   std::unique_ptr<std::uint8_t[]> bytes = std::make_unique_for_overwrite<std::uint8_t[]>(kDatagrams * kDatagram);
   std::array<std::array<std::uint8_t, CMSG_SPACE(sizeof(timeval))>, kDatagrams> controls{};
@@ -98,7 +98,7 @@ struct BusSocket::Batch {
   std::array<sockaddr_in, kDatagrams> senders{};
   std::array<mmsghdr, kDatagrams> headers{};
 
-  /// Says where to put the next datagrams: the kernel writes over the sizes.
+  /// Sets the buffers for the next datagrams: the kernel overwrites the sizes.
   void prepare() {
     for (std::size_t i = 0; i < kDatagrams; ++i) {
       parts[i] = {datagram(i), kDatagram};
@@ -170,7 +170,7 @@ void BusSocket::receive(const Handler& handler) {
     }
     const auto name = all.subspan(std::min(kHeader, all.size()));
     const auto end = std::find(name.begin(), name.end(), 0);
-    if (end == name.end()) continue;  // the filter lets none pass
+    if (end == name.end()) continue;  // the filter passes no such datagram
     const auto size = static_cast<std::size_t>(end - name.begin());
     handler({{reinterpret_cast<const char*>(name.data()), size},
              name.subspan(size + 1),
@@ -195,7 +195,7 @@ BusSocket::Buffer BusSocket::look_at_buffer() const {
   return {memory[SK_MEMINFO_RCVBUF], memory[SK_MEMINFO_RMEM_ALLOC], memory[SK_MEMINFO_DROPS]};
 }
 
-/// What the host dropped since the last look was dropped here if this buffer was about full then or is now.
+/// Attributes the host's drops since the last look to this socket if its buffer was more than half full then or is now.
 void BusSocket::note_drops(bool is_host_wanted) {
   const std::scoped_lock lock(mutex_);
   const Buffer buffer = look_at_buffer();

@@ -22,20 +22,20 @@ sock_filter jump(int code, std::uint32_t k, std::size_t if_true, std::size_t if_
   return {static_cast<std::uint16_t>(code), static_cast<std::uint8_t>(if_true), static_cast<std::uint8_t>(if_false), k};
 }
 
-/// Goes on for a whole message; turns everything else away.
+/// Continues for a whole message; discards everything else.
 std::vector<sock_filter> whole_messages() {
   return {statement(BPF_LD | BPF_W | BPF_ABS, kUdpHeader), jump(BPF_JMP | BPF_JEQ | BPF_K, kWhole, 1, 0),
           statement(BPF_RET | BPF_K, 0)};
 }
 
-/// Passes a datagram whose name, at X, is this one; goes on behind otherwise. (Jumps reach 255 statements: names of 500
-/// bytes. LCM's have 63 at most.)
+/// Passes a datagram if its name, at X, is `name`; otherwise continues behind. (Jumps reach 255 statements, enough for
+/// names of 500 bytes. LCM's have at most 63.)
 void match(const std::string& name, std::vector<sock_filter>& program) {
   struct Piece {
     std::size_t at;
     std::size_t size;  // 4, 2 or 1
   };
-  const std::string_view bytes(name.c_str(), name.size() + 1);  // its 0 too
+  const std::string_view bytes(name.c_str(), name.size() + 1);  // including its 0
   std::vector<Piece> pieces;
   for (std::size_t at = 0; at < bytes.size(); at += pieces.back().size) {
     const std::size_t left = bytes.size() - at;
@@ -47,7 +47,7 @@ void match(const std::string& name, std::vector<sock_filter>& program) {
     for (std::size_t k = 0; k < size; ++k) value = value << 8 | static_cast<std::uint8_t>(bytes[at + k]);
     const int width = size == 4 ? BPF_W : size == 2 ? BPF_H : BPF_B;
     program.push_back(statement(BPF_LD | width | BPF_IND, static_cast<std::uint32_t>(at)));
-    const std::size_t behind = 2 * (pieces.size() - 1 - i) + 1;  // the pieces that are left, and the pass
+    const std::size_t behind = 2 * (pieces.size() - 1 - i) + 1;  // the remaining pieces, and the pass
     program.push_back(jump(BPF_JMP | BPF_JEQ | BPF_K, value, 0, behind));
   }
   program.push_back(statement(BPF_RET | BPF_K, kAll));
@@ -58,7 +58,8 @@ void match(const std::string& name, std::vector<sock_filter>& program) {
 std::vector<sock_filter> make_channel_filter(std::vector<std::string> channels) {
   std::vector<sock_filter> program = whole_messages();
   program.push_back(statement(BPF_LDX | BPF_W | BPF_IMM, kName));
-  // A read beyond the datagram's end turns it away: so short names first, whose end every longer one's datagram has.
+  // A read beyond the end of the datagram discards it. Short names therefore come first: a datagram with a longer name
+  // contains every byte that they read.
   std::sort(channels.begin(), channels.end(),
             [](const std::string& a, const std::string& b) { return a.size() < b.size(); });
   for (const std::string& channel : channels) match(channel, program);
@@ -73,7 +74,7 @@ std::vector<sock_filter> make_message_filter(bool with_fragments) {
                statement(BPF_RET | BPF_K, kAll)};
   const std::vector<sock_filter> whole = whole_messages();
   program.insert(program.end(), whole.begin(), whole.end());
-  // The name's end is looked for byte by byte: classic BPF has no loops.
+  // The end of the name is searched byte by byte: classic BPF has no loops.
   for (std::uint32_t i = 0; i <= kMaxName; ++i) {
     program.push_back(statement(BPF_LD | BPF_B | BPF_ABS, kName + i));
     program.push_back(jump(BPF_JMP | BPF_JEQ | BPF_K, 0, 0, 1));

@@ -7,8 +7,8 @@
 
 namespace curbstone {
 
-/// Named counts since the start of the process, published in SERVICE_STATUS. Names are dotted: what, then why
-/// ("refused.checksum"). Not thread-safe: each thread has its own set.
+/// Named counts since the start of the process, published in SERVICE_STATUS. Names are dotted: the event, then its
+/// reason ("refused.checksum"). Not thread-safe: each thread has its own set.
 class Counters {
  public:
   void add(std::string_view name, std::int64_t amount = 1) {
@@ -18,9 +18,9 @@ class Counters {
     else
       it->second += amount;
   }
-  /// For a count that is kept elsewhere, as the kernel's drops are, and for a level.
+  /// Sets a count that is kept elsewhere, such as the kernel's drops, or a level.
   void set(std::string_view name, std::int64_t value) { values_.insert_or_assign(std::string(name), value); }
-  /// 0 for a name that was never counted.
+  /// The value of a count; 0 for a name that was never counted.
   [[nodiscard]] std::int64_t operator[](std::string_view name) const {
     const auto it = values_.find(name);
     return it == values_.end() ? 0 : it->second;

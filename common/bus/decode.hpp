@@ -4,8 +4,8 @@
 
 namespace curbstone {
 
-/// Decodes an encoded message into `message`, whose vectors keep their memory. False for bytes that are no message of
-/// this type: `message` means nothing then. Any bytes may come.
+/// Decodes an encoded message into `message`, whose vectors keep their memory. Accepts any bytes. Returns false if the
+/// bytes are not a message of this type; the content of `message` is then undefined.
 template <class Message>
 [[nodiscard]] bool decode(const void* data, int size, Message& message) {
   try {

@@ -61,12 +61,12 @@ std::optional<FragmentAssembler::Whole> FragmentAssembler::begin(std::uint64_t s
   return append(partials_.emplace(sender, std::move(partial)).first, fragment, now);
 }
 
-/// In their order: a hole is a loss, and nothing after it can make the message whole.
+/// Fragments must come in order: after a gap, no further fragment can complete the message.
 std::optional<FragmentAssembler::Whole> FragmentAssembler::append(Partials::iterator partial, const Fragment& fragment,
                                                                   std::int64_t now) {
   Partial& message = partial->second;
   std::vector<std::uint8_t>& bytes = message.whole.bytes;
-  if (fragment.number < message.next) return std::nullopt;  // came twice
+  if (fragment.number < message.next) return std::nullopt;  // a duplicate
   const bool follows = fragment.number == message.next && fragment.offset == bytes.size() &&
                        fragment.size == message.size && fragment.count == message.count;
   const bool is_last = fragment.number + 1 == message.count;

@@ -11,17 +11,18 @@
 
 namespace curbstone {
 
-/// Puts together the messages of more than 64 kB that foreign programs send on channels that were asked for. LCM 1.3.1
-/// (`lcm_udpm.c`) cuts them into datagrams: "LC03", sequence number, size of the whole, offset, number of this fragment
-/// (16 bit), number of fragments (16 bit), all big-endian; in fragment 0 the channel and a 0; then the bytes. A sender
-/// sends one message after the other, fragment 0 first. What breaks these rules is refused. What stays incomplete is
-/// given up: when its sender begins another, after kPatience, or when the others need the room. Pure; one thread.
+/// Reassembles messages of more than 64 kB that other programs send on the chosen channels. LCM 1.3.1 (`lcm_udpm.c`)
+/// cuts them into datagrams: "LC03", sequence number, size of the whole message, offset, number of this fragment (16
+/// bit), number of fragments (16 bit), all big-endian; in fragment 0 then the channel and a 0; then the bytes. A sender
+/// sends one message after the other, fragment 0 first. Fragments that break these rules are refused. An incomplete
+/// message is dropped when its sender begins another one, after kPatience, or when other messages need its memory.
+/// Pure; one thread.
 class FragmentAssembler {
  public:
   struct Limits {
     std::size_t message = std::size_t{1} << 24;  ///< bytes of one message; a larger one is refused
-    std::size_t total = std::size_t{1} << 26;    ///< bytes of all that are under way
-    std::size_t senders = 32;                    ///< that are listened to at a time
+    std::size_t total = std::size_t{1} << 26;    ///< bytes of all incomplete messages
+    std::size_t senders = 32;                    ///< senders followed at a time
   };
   static constexpr std::int64_t kPatience = 1'000'000;  ///< us without a fragment
   static constexpr std::size_t kHeader = 20;            ///< bytes of a fragment before channel or data
@@ -37,16 +38,16 @@ class FragmentAssembler {
   FragmentAssembler(std::vector<std::string> channels, Limits limits)
       : channels_(std::move(channels)), limits_(limits) {}
 
-  /// A datagram that begins with kMagic, of `sender` (any number that is its own), at `now`, us of any clock. The
-  /// message, if this makes it whole.
+  /// Takes a datagram that begins with kMagic. `sender`: any number unique to the sender. `now`: us of any clock.
+  /// Returns the message if this fragment completes it.
   [[nodiscard]] std::optional<Whole> add(std::uint64_t sender, std::span<const std::uint8_t> datagram,
                                          std::int64_t now);
 
-  /// Fragments that no sender of LCM sends, or of messages that are too large.
+  /// Fragments that LCM does not send, and fragments of messages that are too large.
   [[nodiscard]] std::int64_t refused() const { return refused_; }
-  /// Messages on our channels that were begun and never became whole.
+  /// Messages on the chosen channels that were begun and never completed.
   [[nodiscard]] std::int64_t dropped() const { return dropped_; }
-  /// Bytes of messages that are under way.
+  /// Bytes of incomplete messages.
   [[nodiscard]] std::size_t held() const { return held_; }
 
  private:
@@ -59,7 +60,7 @@ class FragmentAssembler {
     std::string channel;  // of fragment 0
     std::span<const std::uint8_t> bytes;
   };
-  /// A message of which fragments 0 to `next` - 1 have come.
+  /// A message of which fragments 0 to `next` - 1 have arrived.
   struct Partial {
     std::uint32_t sequence = 0;
     std::uint32_t size = 0;

@@ -24,7 +24,7 @@ namespace curbstone {
 
 namespace {
 
-constexpr std::int64_t kTurn = 100'000;  // us of messages, so that timers get their turn
+constexpr std::int64_t kTurn = 100'000;  // us of handling messages, after which timers run
 
 std::string effective_url(std::string url) {
   if (!url.empty()) return url;
@@ -130,7 +130,7 @@ class LcmBus::Impl {
   struct Message {
     Subscription* subscription = nullptr;
     std::string channel;
-    std::int64_t utime = 0;  // us, when the kernel had it
+    std::int64_t utime = 0;  // us, when the kernel received it
     std::vector<std::uint8_t> bytes;
     [[nodiscard]] int size() const { return static_cast<int>(bytes.size()); }
   };
@@ -173,10 +173,10 @@ class LcmBus::Impl {
     receiver_ = std::thread([this] { receive(); });
   }
 
-  /// What is not multicast (memq, files) is LCM's.
+  /// Buses other than multicast (memq, files) use LCM's receiver.
   void subscribe_to_lcm(Subscription& subscription) {
     std::string pattern = subscription.except.empty() ? ".*" : "(?!" + subscription.except + "$).*";
-    // Channel names are exact to us and patterns to LCM: quote what is not a word character.
+    // Channel names are exact here and patterns in LCM: quote every character that is not a word character.
     if (!subscription.channel.empty()) {
       pattern.clear();
       for (const char c : subscription.channel) {
@@ -203,7 +203,7 @@ class LcmBus::Impl {
     }
   }
 
-  /// The receiver thread.
+  /// The loop of the receiver thread.
   void receive() {
     pollfd fds[2] = {{socket_->fd(), POLLIN, 0}, {stop_fd_, POLLIN, 0}};
     while (true) {
@@ -220,7 +220,7 @@ class LcmBus::Impl {
     }
   }
 
-  /// Latest wins.
+  /// Adds a message to the queue; drops the oldest ones of the subscription if its queue is full.
   void enqueue(Subscription& subscription, const BusSocket::Message& message) {
     while (subscription.is_full_for(message.bytes.size())) {
       const auto oldest = std::find_if(queue_.begin(), queue_.end(),
@@ -233,7 +233,7 @@ class LcmBus::Impl {
         {&subscription, std::string(message.channel), message.utime, {message.bytes.begin(), message.bytes.end()}});
     ++subscription.queued;
     subscription.queued_bytes += message.bytes.size();
-    if (queue_.size() == 1) wake();  // else whoever takes messages has been woken, and takes them all
+    if (queue_.size() == 1) wake();  // otherwise the handling thread has been woken already, and takes all messages
   }
 
   static void leaves(const Message& message) {
@@ -256,7 +256,7 @@ class LcmBus::Impl {
   std::vector<std::string> channels_;
   std::vector<std::string> large_channels_;
   bool has_tap_ = false;
-  std::mutex queue_mutex_;  // of the two below
+  std::mutex queue_mutex_;  // guards the two members below
   std::vector<std::unique_ptr<Subscription>> subscriptions_;
   std::deque<Message> queue_;
   std::mutex publish_mutex_;

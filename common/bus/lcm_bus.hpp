@@ -9,13 +9,14 @@
 
 namespace curbstone {
 
-/// The bus as LCM carries it: `udpm://`, `memq://`, `file://`.
+/// The bus over LCM: `udpm://`, `memq://`, `file://`.
 ///
-/// Over `udpm://` LCM sends, and a receiver thread of our own moves messages from the socket into bounded queues (see
-/// BusSocket for why). The counters tell what was lost: `dropped.queue` (handled too slowly) and `dropped.kernel` (this
-/// socket's buffer full); `refused.datagram` is what was no whole message, reported by whoever taps the bus. Channels
-/// that nobody here subscribed to are turned away by the kernel, unless the bus is tapped. Handlers run in the thread
-/// that calls handle(), in order of arrival. All public functions are for that one thread.
+/// Over `udpm://` LCM sends, and this class's receiver thread moves messages from the socket into bounded queues
+/// (BusSocket explains why). The counters report losses: `dropped.queue` (handled too slowly) and `dropped.kernel`
+/// (this socket's buffer full). `refused.datagram` counts datagrams that were not whole messages; it is reported only
+/// while the bus is tapped. The kernel discards messages on channels without a subscriber in this process, unless the
+/// bus is tapped. Handlers run in the thread that calls handle(), in order of arrival. All public functions are for
+/// that one thread.
 class LcmBus final : public Publisher, public Subscriber, public Tappable {
  public:
   /// An empty URL means $LCM_DEFAULT_URL, else kDefaultUrl. Throws std::runtime_error with the URL and what to check.
@@ -24,21 +25,21 @@ class LcmBus final : public Publisher, public Subscriber, public Tappable {
   LcmBus(const LcmBus&) = delete;
   LcmBus& operator=(const LcmBus&) = delete;
 
-  /// Handles what has arrived, waiting at most `timeout` for the first message; under overload a part of it, for 0.1 s
-  /// and a message, so that timers get their turn. fd() stays readable then. Returns false at the end of a `file://`
-  /// log.
+  /// Handles the messages that have arrived; waits at most `timeout` for the first one. Under overload it handles only
+  /// a part, for 0.1 s plus one message, so that timers run; fd() then stays readable. Returns false at the end of a
+  /// `file://` log.
   bool handle(std::chrono::milliseconds timeout);
 
-  /// Called from the thread that handles the bus, with the time (us since the Unix epoch) at which the kernel had the
-  /// message.
+  /// `tap` is called from the thread that handles the bus, with the time (us since the Unix epoch) at which the kernel
+  /// received the message.
   void tap(Tap tap, QueueLimit limit, const std::string& except = "") override;
 
-  /// Of these channels a tap also hears messages of more than 64 kB, up to 16 MB, as foreign programs send them: see
-  /// FragmentAssembler. `refused.fragment` and `dropped.large` count what did not become whole. To be called before
-  /// anything is subscribed to. Other buses than UDP multicast know no such limit.
+  /// On these channels a tap also hears messages of more than 64 kB, up to 16 MB, as other programs send them: see
+  /// FragmentAssembler. `refused.fragment` and `dropped.large` count fragments and messages that did not become whole.
+  /// Call it before the first subscription. Only UDP multicast needs this; other buses have no such limit.
   void hear_large(std::vector<std::string> channels);
 
-  /// For poll(): readable when handle() has something to do. Call handle(0) then.
+  /// For poll(): readable when handle() has work. Call handle(0) then.
   [[nodiscard]] int fd() const;
 
   [[nodiscard]] Counters counters() const override;

@@ -10,9 +10,9 @@
 
 namespace curbstone {
 
-/// The counters of SERVICE_STATUS that are levels: present values, which rise and fall. All others only grow from the
-/// start of the process. The message does not say which is which, so a name is a level in every process or in none. The
-/// READMEs mark them (level); tests/docs/check_counters compares the marks with this list. Sorted.
+/// The counters of SERVICE_STATUS that are levels: present values, which rise and fall. All other counters only grow
+/// from the start of the process. The message does not distinguish the two, so a name is a level in every process or in
+/// none. The READMEs mark them (level); tests/docs/check_counters compares the marks with this list. Sorted.
 inline constexpr auto kLevels = std::to_array<std::string_view>({
     "clock.device",
     "clock.difference_us",
@@ -59,7 +59,7 @@ static_assert(std::is_sorted(kLevels.begin(), kLevels.end()));
   return std::binary_search(kLevels.begin(), kLevels.end(), name);
 }
 
-/// One of kLevels. Any other name does not compile.
+/// A name in kLevels. Any other name does not compile.
 class LevelName {
  public:
   consteval LevelName(const char* name) : name_(name) {  // NOLINT(google-explicit-constructor): stands for the name

@@ -10,15 +10,15 @@
 
 namespace curbstone {
 
-/// A bus inside one process and one thread: messages are delivered in the order in which they were published, nothing
-/// is lost, nothing depends on the clock. `curbstone replay` and the node tests run on it.
+/// A bus inside one process and one thread: messages are delivered in the order in which they were published, none is
+/// lost, and nothing depends on the clock. `curbstone replay` and the node tests run on it.
 class LocalBus final : public Publisher, public Subscriber, public Tappable {
  public:
-  /// Puts encoded bytes on the bus, as read from a log.
+  /// Publishes encoded bytes, as read from a log.
   void inject(const std::string& channel, const void* data, int size);
-  /// Whether somebody subscribes to a channel.
+  /// Whether the channel has a subscriber.
   [[nodiscard]] bool hears(const std::string& channel) const { return handlers_.contains(channel); }
-  /// Delivers until the queue is empty, including what the handlers publish meanwhile.
+  /// Delivers until the queue is empty, including messages that the handlers publish.
   void dispatch();
   /// The tap sees a message when it is published, before its subscribers do.
   void tap(Tap tap, QueueLimit limit = {}, const std::string& except = "") override;

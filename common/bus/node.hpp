@@ -10,17 +10,17 @@
 
 namespace curbstone {
 
-/// A node's own part of SERVICE_STATUS. The shell adds the facts of the process (pid, CPU time, memory) and sends it.
+/// A node's own part of SERVICE_STATUS. The shell adds the process facts (pid, CPU time, memory) and sends it.
 struct NodeReport {
   Counters counters;
-  std::vector<std::string> faults;                                ///< what is wrong now, in words; empty when healthy
-  double latency_p50 = std::numeric_limits<double>::quiet_NaN();  ///< s, of the node's work; NaN if it has none
+  std::vector<std::string> faults;                                ///< present faults, in words; empty when healthy
+  double latency_p50 = std::numeric_limits<double>::quiet_NaN();  ///< s, of the node's work; NaN if it measures none
   double latency_p99 = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// A driver or service without its process: it wires a core to typed messages. It acts on message time only. So a
-/// replay makes the same products as the live run. One thread calls everything, and nothing may throw. All times in us
-/// since the Unix epoch.
+/// A driver or service without its process: it connects a core to typed messages. It acts on message time only, so that
+/// a replay makes the same products as the live run. One thread calls all functions, and none may throw. All times in
+/// us since the Unix epoch.
 class Node {
  public:
   virtual ~Node() = default;
@@ -28,26 +28,26 @@ class Node {
   /// Subscribes to what the node needs. Called once, before anything else.
   virtual void connect(Subscriber& bus) = 0;
 
-  /// Paced work: index pages, bounded publish rates. Live it is called every 20 ms, and `now` is the wall clock. In a
-  /// replay `now` is message time. What is published when may depend on it. The final state may not.
+  /// Paced work: index pages, bounded publish rates. In a live run it is called every 20 ms and `now` is the wall
+  /// clock. In a replay `now` is message time. The timing of publications may depend on it; the final state may not.
   virtual void tick(std::int64_t now) { (void)now; }
 
-  /// The host's clock was set by `by` us, forward if positive, since the last tick(): measurements that came meanwhile
-  /// may bear either time. Called live only, before tick(), for nodes whose stamps hang on the host's clock.
+  /// The host's clock was set by `by` us since the last tick(), forward if positive. Measurements received in between
+  /// may carry either time. Called in live runs only, before tick(), for nodes whose stamps depend on the host's clock.
   virtual void clock_was_set(std::int64_t by) { (void)by; }
 
-  /// All messages that had come have been handled: their results may go out without waiting for the next tick. Called
-  /// live only, not in a replay. So the final state may not depend on it.
+  /// All messages that have arrived are handled: their results may be published without waiting for the next tick.
+  /// Called in live runs only, not in a replay, so the final state may not depend on it.
   virtual void caught_up(std::int64_t now) { (void)now; }
 
-  /// Nothing else is to be done: a small piece (1 to 2 ms) of work that may wait. Returns whether more of it is left.
-  /// Called live only, as caught_up() is. So tick() must do the same work, for a replay.
+  /// Does a small piece (1 to 2 ms) of work that may wait; called when there is nothing else to do. Returns whether
+  /// more of it is left. Called in live runs only, as caught_up() is, so tick() must do the same work for a replay.
   virtual bool idle(std::int64_t now) {
     (void)now;
     return false;
   }
 
-  /// The drive is over: finishes what is pending, without pacing. Called once before the process ends.
+  /// The drive is over: finishes pending work, without pacing. Called once before the process ends.
   virtual void finish() {}
 
   [[nodiscard]] virtual NodeReport report() const = 0;

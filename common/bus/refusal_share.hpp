@@ -8,20 +8,20 @@
 
 namespace curbstone {
 
-/// The share of a device's packets that a driver refuses, judged by the second. More than kShare refused in a second is
-/// a fault, which names the commonest cause and stays until a second with fewer. Status only: no product depends on it.
-/// Times in us, of any one clock, which may be set. One thread.
+/// The share of a device's packets that a driver refuses, evaluated each second. More than kShare refused in a second
+/// is a fault. It names the most frequent cause and stays until a second with a lower share. Status only: no product
+/// depends on it. Times in us, of one clock, which may be set. One thread.
 class RefusalShare {
  public:
   static constexpr double kShare = 0.05;
   static constexpr std::int64_t kWindow = 1'000'000;  ///< us
-  /// Fewer packets than this in a second are not judged by their share: a line that is silent has a fault of its own.
+  /// A second with fewer packets than this is not evaluated: a silent line has a fault of its own.
   static constexpr std::int64_t kFewest = 10;
 
   void used(std::int64_t now);
-  /// `cause` as the counter has it: "refused.checksum".
+  /// `cause`: the name of the counter, "refused.checksum".
   void refused(std::int64_t now, std::string_view cause);
-  /// To be called from time to time, so that a second ends though nothing comes.
+  /// Call it regularly, so that a second ends even if no packet arrives.
   void tick(std::int64_t now);
 
   /// "61 % of the packets of a second were refused, most of them refused.checksum (912 of 1493)".

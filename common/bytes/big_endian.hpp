@@ -23,8 +23,8 @@ void append_big_endian(std::vector<std::uint8_t>& bytes, Number value) {
   for (std::size_t i = sizeof(Number); i-- > 0;) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
 }
 
-/// A field of a packet: an unsigned number in kSize bytes, most significant first. It has alignment 1. So a struct of
-/// such fields is the layout of the packet, and the type swaps the bytes instead of the code that reads them.
+/// A field of a packet: an unsigned number in kSize bytes, most significant first. It has alignment 1, so a struct of
+/// such fields is the layout of the packet. The type swaps the bytes, so the code that reads the packet need not.
 template <std::unsigned_integral Number, std::size_t kSize = sizeof(Number)>
 struct BigEndian {
   static_assert(kSize <= sizeof(Number));

@@ -7,9 +7,9 @@
 
 namespace curbstone {
 
-/// SECTION.KEY=VALUE for a command that sets up several processes, whose sections these are. One of `vehicle`, which
-/// they share, becomes one for each of them. Throws ConfigError where the section is none of these, or there is none:
-/// it would change nothing.
+/// Resolves the assignments SECTION.KEY=VALUE of a command that starts several processes with these `sections`. An
+/// assignment to `vehicle`, which the processes share, becomes one assignment for each process. Throws ConfigError if
+/// an assignment has no section or one that is not in `sections`, because it would have no effect.
 [[nodiscard]] std::vector<std::string> assignments_for(SectionNames sections,
                                                        const std::vector<std::string>& assignments);
 

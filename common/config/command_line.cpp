@@ -11,7 +11,8 @@ namespace curbstone {
 
 namespace {
 
-/// CLI11 takes -1 for the largest unsigned number, and what does not fit into 64 bits for the nearest that does.
+/// CLI11 reads -1 as the largest unsigned number, and a number that does not fit into 64 bits as the nearest one that
+/// does.
 template <class Integer>
 std::string misfit(const std::string& text) {
   errno = 0;
@@ -24,7 +25,7 @@ std::string misfit(const std::string& text) {
   return errno == ERANGE ? "Value " + text + " out of range" : "";
 }
 
-/// No option of ours means anything by nan or inf, and bounds let nan through.
+/// No option accepts nan or inf, and range checks do not reject nan.
 std::string not_finite(const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);

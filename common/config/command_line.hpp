@@ -17,19 +17,19 @@ class Option;
 
 namespace curbstone {
 
-/// What an option writes to. A vector takes as many values as are given.
+/// A type that an option can write to. A vector takes as many values as are given.
 template <class T>
 concept CommandValue = std::same_as<T, std::string> || std::same_as<T, double> || std::same_as<T, int> ||
     std::same_as<T, std::int64_t> || std::same_as<T, std::uint64_t> || std::same_as<T, std::vector<std::string>> ||
     std::same_as<T, std::vector<double>> || std::same_as<T, std::vector<std::uint64_t>>;
 
-/// One option of a CommandLine, which owns it: says what values it takes. In a vector, each value must comply.
+/// One option of a CommandLine, which owns it: sets which values it accepts. In a vector, each value must comply.
 class CommandOption {
  public:
   explicit CommandOption(CLI::Option& option) : option_(&option) {}
 
   CommandOption& required();
-  /// The help names the variable's present value as the default.
+  /// Shows the variable's present value in the help as the default.
   CommandOption& shows_default();
   /// Inclusive bounds.
   CommandOption& within(int min, int max);
@@ -39,7 +39,7 @@ class CommandOption {
   CommandOption& existing_folder();
   /// A list takes "a,b" as two values.
   CommandOption& comma_separated();
-  /// A list takes one value each time that the option is named. The next word is an argument again.
+  /// A list takes one value each time the option is given. The next word is an argument again.
   CommandOption& one_each();
   CommandOption& excludes(const CommandOption& other);
 
@@ -47,8 +47,8 @@ class CommandOption {
   CLI::Option* option_;
 };
 
-/// A program's command line. Its options are declared first, then read into the caller's variables. Their values before
-/// are the defaults. --help is always there.
+/// A program's command line. Its options are declared first and then read into the caller's variables, whose initial
+/// values are the defaults. --help always exists.
 ///
 ///     std::string log;
 ///     double seconds = 60;
@@ -60,7 +60,7 @@ class CommandOption {
 /// CLI11 costs seconds in each file that includes it: only command_line.cpp does.
 class CommandLine {
  public:
-  /// `program` stands in the usage line; by default it is argv[0].
+  /// `program` appears in the usage line; by default it is argv[0].
   explicit CommandLine(const std::string& description, const std::string& program = "");
   ~CommandLine();
   CommandLine(const CommandLine&) = delete;
@@ -71,9 +71,9 @@ class CommandLine {
   /// `names`: "--seconds", or "-i,--id".
   template <CommandValue T>
   CommandOption option(const std::string& names, T& value, const std::string& help = "");
-  /// Its presence makes `value` true.
+  /// `value` becomes true if the flag is given.
   CommandOption flag(const std::string& names, bool& value, const std::string& help);
-  /// One of some words, each of which stands for a value of an enumeration.
+  /// Accepts one of some words, each of which stands for a value of an enumeration.
   template <class Enum>
   CommandOption choice(const std::string& names, Enum& value, const std::vector<std::pair<std::string, Enum>>& choices,
                        const std::string& help) {
@@ -81,17 +81,17 @@ class CommandLine {
     for (const auto& [word, meaning] : choices) words.push_back(word);
     return word_option(names, words, help, [&value, choices](std::size_t k) { value = choices[k].second; });
   }
-  /// --version prints this and stops.
+  /// --version prints `text` and stops.
   void version(const std::string& text);
-  /// The help shows the options that are declared after this call under this heading.
+  /// The help shows the options declared after this call under this heading.
   void heading(const std::string& heading) { heading_ = heading; }
 
-  /// Reads the arguments. Returns nothing if the program is to go on. Otherwise it has printed help, version or an
+  /// Reads the arguments. Returns nothing if the program should continue. Otherwise it has printed help, version or an
   /// error, and returns the exit status: 0, or 2 for an error.
   [[nodiscard]] std::optional<int> read(int argc, const char* const* argv);
   /// For conditions on several options: prints the error as read() does and returns the exit status.
   [[nodiscard]] int refuse(const std::string& what) const;
-  /// Was the option on the command line?
+  /// Whether the option was given on the command line.
   [[nodiscard]] bool given(const std::string& name) const;
 
  private:

@@ -17,10 +17,10 @@ namespace curbstone {
 
 namespace {
 
-/// Shared by the visitors that put values into the struct.
+/// The visitor that puts values into the struct.
 class Loader final : public ConfigVisitor {
  public:
-  /// `config`: what is loaded, to say where else a key may belong.
+  /// `config`: the whole configuration, to suggest where else a key may belong.
   Loader(const YAML::Node& root, std::string file, std::string path, AnyConfig& config)
       : file_(std::move(file)), path_(path), config_(config) {
     enter(root, std::move(path));
@@ -48,7 +48,7 @@ class Loader final : public ConfigVisitor {
     value = read;
   }
 
-  /// To be called once the struct has named all it knows.
+  /// Call it after the struct has visited all its fields.
   void leave() {
     const Level& level = levels_.back();
     if (level.node.IsMap()) {
@@ -93,7 +93,7 @@ class Loader final : public ConfigVisitor {
     const YAML::Node node = level.node[key];
     if (!node) return false;
     if constexpr (std::is_same_v<T, std::string>) {
-      if (node.IsNull()) {  // "key:" with nothing behind it; yaml-cpp would say "null"
+      if (node.IsNull()) {  // "key:" without a value; yaml-cpp would return "null"
         value.clear();
         return true;
       }
@@ -174,7 +174,7 @@ class Dumper final : public ConfigVisitor {
   int depth_ = 0;
 };
 
-/// Whether a struct has a section of this name at its top.
+/// Whether a struct has a section of this name at its top level.
 class SectionFinder final : public ConfigVisitor {
  public:
   explicit SectionFinder(std::string name) : name_(std::move(name)) {}
@@ -211,7 +211,7 @@ void load_node(const YAML::Node& node, const std::string& file, const std::strin
   loader.leave();
 }
 
-/// `line` from 0; negative where the parser does not know it.
+/// `line` counts from 0; negative if the parser does not know it.
 bool is_indented_by_tab(std::string_view text, int line) {
   for (; line > 0; --line) {
     const std::size_t end = text.find('\n');
@@ -247,7 +247,7 @@ void parse_config(std::string_view text, const std::string& name, const std::str
     }
   }
   YAML::Node own = root[section] ? root[section] : YAML::Node(YAML::NodeType::Map);
-  // What several processes share stands once, at the top of the file.
+  // The section that several processes share is at the top level of the file.
   if (root["vehicle"] && has_section(config, "vehicle")) {
     if (own.IsMap() && own["vehicle"]) {
       throw ConfigError(fmt::format("{}:{}: {}.vehicle: stands at the top of the file already", name,

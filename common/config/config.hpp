@@ -25,7 +25,7 @@ struct Range {
 ///       void visit(ConfigVisitor& v) { v.field("track_width", track_width, {0.01, 10}, "m, between the wheels"); }
 ///     };
 ///
-/// Defaults live in the struct; a file only overrides them. `help` says unit and meaning, for --dump-config.
+/// Defaults live in the struct; a file only overrides them. `help` states unit and meaning, for --dump-config.
 class ConfigVisitor {
  public:
   virtual ~ConfigVisitor() = default;
@@ -33,10 +33,10 @@ class ConfigVisitor {
   virtual void field(const char* key, int& value, Range range, const char* help) = 0;
   virtual void field(const char* key, double& value, Range range, const char* help) = 0;
   virtual void field(const char* key, std::string& value, const char* help) = 0;
-  /// Only one of `choices` is accepted.
+  /// A word that must be one of `choices`.
   virtual void choice(const char* key, std::string& value, const std::vector<std::string>& choices,
                       const char* help) = 0;
-  /// The same for an enumeration: each word stands for a value of it, and each value has its word.
+  /// The same for an enumeration: each word stands for one of its values, and each value has a word.
   template <class Enum>
   requires std::is_enum_v<Enum>
   void choice(const char* key, Enum& value, const std::vector<std::pair<std::string, Enum>>& choices,
@@ -52,7 +52,7 @@ class ConfigVisitor {
       if (name == word) value = meaning;
     }
   }
-  /// A list of exactly as many numbers as `value` holds, unless `any_length`.
+  /// A list with exactly as many numbers as `value` holds, or with any number of them if `any_length`.
   virtual void field(const char* key, std::vector<double>& value, Range range, const char* help,
                      bool any_length = false) = 0;
   template <class Section>
@@ -74,7 +74,7 @@ class ConfigError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A struct with a visit() method, seen without its type.
+/// Any struct with a visit() method, with its type erased.
 class AnyConfig {
  public:
   virtual ~AnyConfig() = default;
@@ -87,28 +87,28 @@ class ConfigOf final : public AnyConfig {
   void visit(ConfigVisitor& visitor) override { value.visit(visitor); }
 };
 
-/// The sections that a file may have beside `vehicle:`. This layer knows no process by name: whoever loads a file says.
+/// The sections that a file may have besides `vehicle:`. This layer knows no process by name, so the caller names them.
 using SectionNames = std::span<const std::string_view>;
 
-/// Loads section `section` of a YAML file over what `config` holds. One vehicle is one file with a section a process
-/// (`ekf:`, `mapper:`...). A missing section leaves the defaults. Throws ConfigError (file, line, key, what was
-/// expected) on an unreadable file, bad YAML, a section that is not one of `sections`, an unknown key, a key that
-/// stands twice, a wrong type or a number out of range.
+/// Loads section `section` of a YAML file over the present values of `config`. One file describes one vehicle and has a
+/// section for each process (`ekf:`, `mapper:`...). A missing section leaves the defaults. Throws ConfigError (file,
+/// line, key, what was expected) on an unreadable file, bad YAML, a section that is not in `sections`, an unknown key,
+/// a duplicate key, a wrong type or a number out of range.
 void load_config(const std::string& file, const std::string& section, SectionNames sections, AnyConfig& config);
 /// The same from text; `name` stands for the file in errors.
 void parse_config(std::string_view text, const std::string& name, const std::string& section, SectionNames sections,
                   AnyConfig& config);
 /// Sets one value by its dotted key as text: "icp.iterations=20".
 void set_config_value(std::string_view assignment, AnyConfig& config);
-/// Sets, in this order, those of the assignments SECTION.KEY=VALUE that are of `section`; leaves out all others.
+/// Applies, in order, those assignments SECTION.KEY=VALUE whose section is `section`; ignores all others.
 void set_section_values(const std::string& section, const std::vector<std::string>& assignments, AnyConfig& config);
-/// The effective configuration as commented YAML that load_config() takes back.
+/// The effective configuration as commented YAML, which load_config() can read.
 [[nodiscard]] std::string dump_config(const std::string& section, AnyConfig& config);
 /// 16 hexadecimal digits over the dump (FNV-1a, 64 bit).
 [[nodiscard]] std::string config_hash(const std::string& section, AnyConfig& config);
 
-/// A process's configuration where several share a program: its section of the file (none: the defaults), and of the
-/// assignments, SECTION.KEY=VALUE, those that are its own.
+/// The configuration of one process where several share a program: its section of the file (no file: the defaults),
+/// then the assignments SECTION.KEY=VALUE for its section.
 template <class Config>
 [[nodiscard]] Config config_of(const std::string& section, SectionNames sections, const std::string& file,
                                const std::vector<std::string>& assignments) {

@@ -14,7 +14,7 @@ namespace curbstone {
 
 namespace {
 
-/// Follows the text as it is parsed, not the nodes made of it: by an alias a node can hold itself.
+/// Follows the parser's events, not the nodes made from them: with an alias, a node can contain itself.
 class DuplicateKeyFinder final : public YAML::EventHandler {
  public:
   explicit DuplicateKeyFinder(std::string name) : name_(std::move(name)) {}
@@ -44,7 +44,7 @@ class DuplicateKeyFinder final : public YAML::EventHandler {
     std::map<std::string, int> lines;  // of the keys so far
   };
 
-  /// A node begins. Returns whether it is a key.
+  /// Called when a node begins. Returns whether it is a key.
   bool on_node() {
     if (levels_.empty() || !levels_.back().is_map) return false;
     Level& map = levels_.back();

@@ -9,8 +9,8 @@
 namespace curbstone {
 namespace {
 
-constexpr std::string_view kShared = "vehicle";  // stands at the top of the file, for every process
-constexpr std::size_t kMostPlaces = 3;           // that are named
+constexpr std::string_view kShared = "vehicle";  // at the top level of the file, for every process
+constexpr std::size_t kMostPlaces = 3;           // named in the message
 
 int edit_distance(std::string_view a, std::string_view b) {
   std::vector<int> row(b.size() + 1);
@@ -27,7 +27,7 @@ int edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-/// Where a struct and its sections have a key of this name.
+/// Finds the sections of a struct that have a key of this name.
 class PlacesOfKey final : public ConfigVisitor {
  public:
   PlacesOfKey(std::string_view key, std::string path) : key_(key), paths_{std::move(path)} {}
@@ -53,7 +53,7 @@ class PlacesOfKey final : public ConfigVisitor {
   }
 
   std::string_view key_;
-  std::vector<std::string> paths_;  // of the sections that it is in
+  std::vector<std::string> paths_;  // of the sections with that key
   std::vector<std::string> found_;
 };
 

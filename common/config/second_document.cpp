@@ -12,7 +12,7 @@ namespace curbstone {
 
 namespace {
 
-/// Where the last document begins, and whether anything is in it.
+/// The start of the last document, and whether it has any content.
 class DocumentStart final : public YAML::EventHandler {
  public:
   void OnDocumentStart(const YAML::Mark& mark) override {
@@ -53,7 +53,7 @@ void refuse_second_document(const std::string& text, const std::string& name) {
     if (!document.is_empty())
       throw ConfigError(fmt::format("{}:{}: a second YAML document (after ---), which nobody would read", name,
                                     document.mark().line + 1));
-    // At a comma yaml-cpp 0.7 reads one empty document after the other, without end (so does LoadAll).
+    // At a comma yaml-cpp 0.7 reads empty documents endlessly (so does LoadAll).
     if (document.mark().pos == last)
       throw ConfigError(fmt::format("{}:{}: no YAML from here on", name, document.mark().line + 1));
   }

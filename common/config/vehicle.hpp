@@ -7,8 +7,9 @@
 
 namespace curbstone {
 
-/// What several processes must agree on about the vehicle: the `vehicle:` section of its file. A process takes part by
-/// a member `VehicleConfig vehicle;` visited as section "vehicle". The loader fills it from the file's top level.
+/// The vehicle's properties on which several processes must agree: the `vehicle:` section of its file. A process uses
+/// it through a member `VehicleConfig vehicle;` visited as section "vehicle". The loader fills it from the file's top
+/// level.
 ///
 /// base_link: midway between the driven wheels, on the ground; x forward, y left, z up.
 struct VehicleConfig {

@@ -6,8 +6,8 @@
 
 namespace curbstone {
 
-/// The covariance of a pose's error: rows 0..2 translation, 3..5 rotation vector, in the axes of the body frame that
-/// the pose places. m^2, m rad, rad^2.
+/// The covariance of a pose's error: rows 0..2 translation, 3..5 rotation vector, in the axes of the body frame whose
+/// pose it is. m^2, m rad, rad^2.
 using PoseCovariance = Eigen::Matrix<double, 6, 6>;
 
 /// The covariance of a frame's motion from one pose to another, in its axes at the end. The errors of the two poses

@@ -18,7 +18,7 @@ constexpr std::size_t kReadAtOnce = 1 << 20;
 
 }  // namespace
 
-/// O_NONBLOCK: to open a named pipe would wait for who writes into it, before it can be refused.
+/// O_NONBLOCK: otherwise opening a named pipe would wait for a writer before the pipe can be refused.
 FileWindow::FileWindow(const std::string& file) : fd_(open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
   const auto refuse = [&](const char* why) {
     if (fd_ >= 0) close(fd_);
@@ -59,7 +59,7 @@ std::int64_t FileWindow::find(std::span<const std::uint8_t> bytes, std::int64_t 
     const auto part = at(from, 65'536);
     const auto found = std::search(part.begin(), part.end(), bytes.begin(), bytes.end());
     if (found != part.end()) return from + (found - part.begin());
-    // What stands across the end of this part is found in the next. A place that cannot be read is passed over.
+    // A match across the end of this part is found in the next part. An unreadable place is skipped.
     from += part.size() > bytes.size() ? static_cast<std::int64_t>(part.size() - bytes.size() + 1) : 4096;
   }
   return size_;

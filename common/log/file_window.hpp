@@ -8,10 +8,10 @@
 
 namespace curbstone {
 
-/// A large file of which a part at a time is in memory. One thread.
+/// A large file of which one part at a time is in memory. One thread.
 class FileWindow {
  public:
-  /// Throws std::runtime_error with one clear line. What is written to the file later does not count.
+  /// Throws std::runtime_error with one clear line. Data written to the file later is not seen.
   explicit FileWindow(const std::string& file);
   ~FileWindow();
   FileWindow(const FileWindow&) = delete;
@@ -21,7 +21,7 @@ class FileWindow {
   /// `count` bytes from `from` on; fewer at the end of the file and where the disk cannot be read. Valid until the next
   /// call.
   [[nodiscard]] std::span<const std::uint8_t> at(std::int64_t from, std::size_t count);
-  /// Where `bytes` stand first, at `from` or behind it; size() if nowhere.
+  /// The position of the first occurrence of `bytes` at or after `from`; size() if there is none.
   [[nodiscard]] std::int64_t find(std::span<const std::uint8_t> bytes, std::int64_t from);
 
  private:

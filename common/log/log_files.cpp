@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::int64_t kOverlap = 200'000;  // us: what the window of MessageOrder puts right by itself
+constexpr std::int64_t kOverlap = 200'000;  // us: MessageOrder's window sorts overlaps up to this
 constexpr std::int64_t kGap = 1'000'000;    // us
 
 double to_seconds(std::int64_t us) {
@@ -55,7 +55,7 @@ LogFiles::LogFiles(const std::vector<std::string>& paths) {
 }
 
 void LogFiles::open(const std::string& name, bool named_by_user) {
-  // The process or the power ended before the first message of a file: nothing is lost.
+  // The process or the power ended before the first message of the file: nothing is lost.
   if (!named_by_user && fs::file_size(name) == 0) {
     notes_.push_back(fmt::format("{} is empty", name));
     return;

@@ -11,9 +11,9 @@
 
 namespace curbstone {
 
-/// Several logs of one drive, read as one: the files of a session folder, or those that the user names, in the order of
-/// their first records. A drive that was split gives the events of the whole one, in the same order. Where two files
-/// overlap by more than 0.2 s they are merged by the times of their records. One thread.
+/// Several logs of one drive, read as one: the files of a session folder or the files that the user names, in the order
+/// of their first records. A split drive gives the events of the whole one in the same order. Files that overlap by
+/// more than 0.2 s are merged by the times of their records. One thread.
 class LogFiles {
  public:
   /// Each path is a log or a folder of logs. Throws std::runtime_error with one clear line.
@@ -21,12 +21,12 @@ class LogFiles {
 
   [[nodiscard]] std::optional<LogEvent> next();
 
-  /// In the order in which they are read.
+  /// The files, in the order in which they are read.
   [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] LogLoss loss() const;
-  /// What the user should know of what was read so far, a line each: gaps between files, overlaps, damage.
+  /// Notes for the user on what was read so far, one line each: gaps between files, overlaps, damage.
   [[nodiscard]] std::vector<std::string> notes() const;
-  /// The part of all bytes read so far, 0..1.
+  /// The fraction of all bytes read so far, 0..1.
   [[nodiscard]] double progress() const;
 
  private:
@@ -34,20 +34,20 @@ class LogFiles {
     std::string name;
     std::unique_ptr<LogReader> reader;
     std::optional<LogEvent> head;
-    std::int64_t begin = 0;  // us, the first record
-    double share = 0;        // of all bytes
+    std::int64_t begin = 0;  // us, time of the first record
+    double share = 0;        // fraction of all bytes
   };
   void open(const std::string& name, bool named_by_user);
   void begin_next();
   [[nodiscard]] File* earliest();
 
   std::vector<File> files_;
-  std::size_t begun_ = 0;  // files that are read from, or have been
+  std::size_t begun_ = 0;  // files from which reading has begun
   std::optional<std::int64_t> last_utime_;
   std::vector<std::string> notes_;
 };
 
-/// The logs of a folder: files that begin with a record or have "lcmlog" in their names. In the order of their names.
+/// The logs of a folder, ordered by name: files that begin with a record or have "lcmlog" in their names.
 [[nodiscard]] std::vector<std::string> logs_in(const std::filesystem::path& folder);
 
 }  // namespace curbstone

@@ -11,7 +11,7 @@ namespace curbstone {
 
 namespace {
 
-/// us. A damaged time may be any number; the difference of two that come out of here is one.
+/// us. A damaged time may be any number. Times are clamped to this, so that the difference of two does not overflow.
 constexpr std::int64_t kFarthest = std::numeric_limits<std::int64_t>::max() / 4;
 
 }  // namespace

@@ -18,8 +18,8 @@ struct LogEvent {
   std::vector<std::uint8_t> bytes;
 };
 
-/// Reads an `lcm-logger` log from beginning to end. Format: lcm/lcm/eventlog.c. What is damaged is skipped, up to the
-/// next record, and counted: see loss(). One thread.
+/// Reads an `lcm-logger` log from beginning to end. Format: lcm/lcm/eventlog.c. Damaged parts are skipped up to the
+/// next record and counted: see loss(). One thread.
 class LogReader {
  public:
   /// Throws std::runtime_error with one clear line: the file is missing, unreadable, or no LCM log.
@@ -27,9 +27,9 @@ class LogReader {
 
   /// The next event; nothing at the end.
   [[nodiscard]] std::optional<LogEvent> next();
-  /// What was skipped so far.
+  /// The parts that were skipped so far.
   [[nodiscard]] const LogLoss& loss() const { return loss_; }
-  /// The part of the file read so far, 0..1.
+  /// The fraction of the file read so far, 0..1.
   [[nodiscard]] double progress() const;
 
  private:

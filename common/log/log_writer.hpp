@@ -7,7 +7,7 @@ typedef struct _lcm_eventlog_t lcm_eventlog_t;
 
 namespace curbstone {
 
-/// Writes an LCM log as lcm-logger does. With the messages' own times as the records' times, the file is a function of
+/// Writes an LCM log as lcm-logger does. If the records' times are the messages' own times, the file is a function of
 /// the messages alone. One thread.
 class LogWriter {
  public:
@@ -17,10 +17,10 @@ class LogWriter {
   LogWriter(const LogWriter&) = delete;
   LogWriter& operator=(const LogWriter&) = delete;
 
-  /// `log_utime`: us since the Unix epoch; with 0 it is the message's own time, its first field. Throws
+  /// `log_utime`: us since the Unix epoch; 0 stands for the message's own time, its first field. Throws
   /// std::runtime_error when the disk is full.
   void write(const std::string& channel, const void* data, int size, std::int64_t log_utime = 0);
-  /// Hands what was written to the kernel. Throws std::runtime_error when the disk is full.
+  /// Passes the written data to the kernel. Throws std::runtime_error when the disk is full.
   void flush();
   [[nodiscard]] std::int64_t bytes() const { return bytes_; }
 

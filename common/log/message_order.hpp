@@ -17,7 +17,7 @@
 namespace curbstone {
 
 /// The utime of an encoded message: its first field, as in every type of package curbstone. us since the Unix epoch. 0
-/// if the message is too short. For logs of any types; where the type is known, decode() it.
+/// if the message is too short. For logs of any types; if the type is known, decode() it.
 [[nodiscard]] inline std::int64_t message_time(const void* data, std::size_t size) {
   if (size < 16) return 0;
   const std::span<const std::uint8_t> bytes(static_cast<const std::uint8_t*>(data), size);
@@ -27,15 +27,14 @@ namespace curbstone {
   return message_time(event.bytes.data(), event.bytes.size());
 }
 
-/// Sorts the events of a log by message time. The logged order differs from it by no more than the sensors' latencies.
-/// So a short window is enough. An event that is later than the window keeps its logged place. Equal times keep their
-/// logged order: the result is a function of the log alone. A record whose time is wrong, or a logger's clock that was
-/// set back, puts at most what stands within the window out of order. Where the time of a channel's messages
-/// goes back by more than the window, the clock of the vehicle was set: what was logged before comes before what was
-/// logged after.
+/// Sorts the events of a log by message time. The logged order differs from it by no more than the sensors' latencies,
+/// so a short window suffices. An event that is later than the window keeps its logged place. Equal times keep their
+/// logged order: the result is a function of the log alone. A record with a wrong time, or a logger whose clock was set
+/// back, disorders at most the events within the window. If the message time of a channel goes back by more than the
+/// window, the clock of the vehicle was set: events logged before the step then precede those logged after it.
 class MessageOrder {
  public:
-  static constexpr std::size_t kMostWaiting = 65'536;  ///< where the log's own times stand still
+  static constexpr std::size_t kMostWaiting = 65'536;  ///< bound for a log whose record times stand still
 
   explicit MessageOrder(std::int64_t window_us = 200'000) : window_us_(window_us) {}
 
@@ -46,7 +45,7 @@ class MessageOrder {
     if (!is_first && time < std::exchange(last->second, time) - window_us_) ++clock_;
     waiting_.push({clock_, time, sequence_++, elapsed_, std::move(event)});
   }
-  /// The next event that no later one of the log can precede. With `drain`, the next of those left.
+  /// The next event that no later event of the log can precede. With `drain`, the next remaining event.
   [[nodiscard]] std::optional<LogEvent> pop(bool drain) {
     if (waiting_.empty()) return std::nullopt;
     const bool may_be_preceded = waiting_.top().clock == clock_ && waiting_.top().elapsed + window_us_ > elapsed_ &&
@@ -64,14 +63,14 @@ class MessageOrder {
     std::uint64_t sequence;
     std::int64_t elapsed;
     LogEvent event;
-    bool operator<(const Waiting& other) const {  // the earliest on top
+    bool operator<(const Waiting& other) const {  // the earliest is on top
       if (clock != other.clock) return clock > other.clock;
       return time != other.time ? time > other.time : sequence > other.sequence;
     }
   };
 
-  /// The log's time as it went on: no step is longer than the window, and after a step back by more it goes on from
-  /// there.
+  /// Advances the log's time. A forward step counts for at most the window. After a step back by more than the window
+  /// the time continues from there.
   void advance(std::int64_t log_utime) {
     if (sequence_ == 0) newest_ = log_utime;
     const std::int64_t step = log_utime - newest_;
@@ -82,8 +81,8 @@ class MessageOrder {
 
   std::int64_t window_us_;
   std::int64_t elapsed_ = 0;                            // us of the log's time
-  std::int64_t clock_ = 0;                              // how often the time of a channel has gone back
-  std::unordered_map<std::string, std::int64_t> last_;  // us, message time of the channel's event before
+  std::int64_t clock_ = 0;                              // steps back of a channel's time
+  std::unordered_map<std::string, std::int64_t> last_;  // us, message time of the channel's previous event
   std::int64_t newest_ = 0;                             // us
   std::uint64_t sequence_ = 0;
   std::priority_queue<Waiting> waiting_;

@@ -10,8 +10,8 @@ namespace curbstone {
 namespace {
 
 constexpr std::array<std::uint8_t, 4> kSync = {0xED, 0xA1, 0xDA, 0x01};
-constexpr std::int64_t kLongestChannel = 255;   // LCM sends names of 63 at most
-constexpr std::int64_t kLongestData = 1 << 28;  // as LCM itself
+constexpr std::int64_t kLongestChannel = 255;   // LCM's names have at most 63
+constexpr std::int64_t kLongestData = 1 << 28;  // as in LCM
 constexpr std::size_t kReadAhead = 1 << 18;
 
 bool is_sync(std::span<const std::uint8_t> bytes) {
@@ -40,7 +40,7 @@ std::optional<LogRecord> RecordFinder::header_at(std::int64_t at, bool any_sync)
 
 bool RecordFinder::ends_at_sync(const LogRecord& record) {
   if (record.end() >= file_.size()) return record.end() == file_.size();
-  // Reads the record along with what follows it: who asks wants it next.
+  // Reads the bytes of the next record too, because the caller wants it next.
   const auto length = static_cast<std::size_t>(record.end() - record.begin) + kSync.size();
   if (length > kReadAhead) return is_sync(file_.at(record.end(), kSync.size()));
   const auto bytes = file_.at(record.begin, length);
@@ -70,7 +70,8 @@ bool RecordFinder::fits_what_follows(const LogRecord& record) {
   if (follower && record.is_followed_by(*follower) && ends_at_sync(*follower)) return true;
   const auto next = confirmed_from(record.begin + 1);
   if (!next) return true;
-  // Bytes in front of the very next record are this one's: its lengths are wrong.
+  // The record is wrong if the next one begins inside it. It is also wrong if its direct successor begins behind its
+  // end: the bytes in between belong to it, so its lengths are wrong.
   return next->begin >= record.end() && !record.is_followed_by(*next);
 }
 

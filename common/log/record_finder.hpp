@@ -7,8 +7,8 @@
 
 namespace curbstone {
 
-/// Where a message stands in a log, and what stands before it: the sync word 0xEDA1DA01, then big-endian the number of
-/// the record (int64), its time (int64), the lengths of channel and data (int32). Format: lcm/lcm/eventlog.c.
+/// A record of a log: its position and its header. The header is the sync word 0xEDA1DA01, then big-endian the record
+/// number (int64), its time (int64), the lengths of channel and data (int32). Format: lcm/lcm/eventlog.c.
 struct LogRecord {
   static constexpr std::int64_t kHeader = 28;  ///< bytes
 
@@ -19,7 +19,7 @@ struct LogRecord {
   std::int64_t data_size = 0;
   [[nodiscard]] std::int64_t end() const { return begin + kHeader + channel_size + data_size; }
 
-  /// How many numbers lie between this record's and that of `later`; 0 when a damaged number says that it is none or
+  /// The number of record numbers between this record's and that of `later`; 0 if a damaged number makes it negative or
   /// more than kMostMissing.
   [[nodiscard]] std::int64_t missing_until(const LogRecord& later) const {
     const std::uint64_t steps = static_cast<std::uint64_t>(later.number) - static_cast<std::uint64_t>(number);
@@ -31,17 +31,17 @@ struct LogRecord {
   static constexpr std::uint64_t kMostMissing = std::uint64_t{1} << 31;
 };
 
-/// Finds the records of a log, damaged or not. A record has no checksum; it is believed when it is plausible by itself
-/// and fits what stands behind it. One thread.
+/// Finds the records of a log, damaged or not. A record has no checksum; it is accepted if it is plausible by itself
+/// and consistent with what follows it. One thread.
 class RecordFinder {
  public:
   explicit RecordFinder(FileWindow& file) : file_(file) {}
 
-  /// The record at `at`, where the one before ended; with `previous` known, a broken sync word is put up with.
+  /// The record at `at`, where the previous one ended. If `previous` is given, a broken sync word is tolerated.
   [[nodiscard]] std::optional<LogRecord> record_at(std::int64_t at, const std::optional<LogRecord>& previous = {});
-  /// The first one at `from` or behind it.
+  /// The first record at or after `from`.
   [[nodiscard]] std::optional<LogRecord> first_from(std::int64_t from);
-  /// Whether a record begins at `at` that the end of the file cuts off.
+  /// Whether a record begins at `at` and is cut off by the end of the file.
   [[nodiscard]] bool cut_off_at(std::int64_t at);
 
  private:
@@ -51,7 +51,8 @@ class RecordFinder {
   [[nodiscard]] std::optional<LogRecord> confirmed_from(std::int64_t from);
 
   FileWindow& file_;
-  // What confirmed_from() found last, and from where on: else a damaged file would be searched again for each record.
+  // The last result of confirmed_from() and where its search began. Without it a damaged file would be searched again
+  // for each record.
   std::int64_t searched_from_ = -1;
   std::int64_t searched_to_ = -1;
   std::optional<LogRecord> confirmed_;

@@ -7,7 +7,7 @@
 namespace curbstone {
 namespace {
 
-/// Fast: a log is written once, on the machine that has to drive.
+/// The fastest level: a log is written once, on the computer that drives the vehicle.
 constexpr int kLevel = 1;
 
 }  // namespace

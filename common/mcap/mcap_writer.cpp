@@ -63,7 +63,7 @@ void McapWriter::write(std::uint16_t channel, std::uint64_t log_time, std::uint6
   if (records_.size() >= options_.chunk_bytes) close_chunk();
 }
 
-/// A channel's record stands before its first message, and its schema's before that.
+/// Writes a channel's record before its first message, and the record of its schema before that.
 void McapWriter::introduce(std::uint16_t channel) {
   Channel& known = channels_.at(channel);
   if (known.in_data) return;

@@ -14,34 +14,34 @@ namespace curbstone {
 
 struct McapOptions {
   McapCompression compression = McapCompression::kZstd;
-  std::size_t chunk_bytes = std::size_t{4} << 20;  ///< of records, before packing; one large message may exceed it
-  std::string library = "curbstone";               ///< what wrote the file
+  std::size_t chunk_bytes = std::size_t{4} << 20;  ///< of records, before compression; one large message may exceed it
+  std::string library = "curbstone";               ///< name of the writing library
 };
 
-/// What the messages of a channel are.
+/// The schema of a channel's messages.
 struct McapSchema {
   std::string name;      ///< "foxglove.Grid"
   std::string encoding;  ///< "protobuf", "jsonschema", ...
   std::string data;
 };
 
-/// Writes an MCAP file: chunks with their indexes, checksums everywhere, and a summary at the end, so that a viewer
-/// finds any moment without reading the file. In memory are one chunk, and 60 bytes and 10 a channel of each chunk
-/// before. Bytes are a function of the calls alone. Format: https://mcap.dev/spec. One thread.
+/// Writes an MCAP file: chunks with their indexes, checksums on all parts, and a summary at the end, so that a viewer
+/// finds any time without reading the whole file. Memory holds one chunk, and for each earlier chunk 60 bytes plus 10
+/// for each channel. The bytes written are a function of the calls alone. Format: https://mcap.dev/spec. One thread.
 class McapWriter {
  public:
-  /// Writes to `out`, which must outlive this. Everything throws std::runtime_error when `out` fails.
+  /// Writes to `out`, which must outlive this object. All functions throw std::runtime_error when `out` fails.
   McapWriter(std::ostream& out, McapOptions options);
 
   /// Returns the id, from 1. At most 65535.
   std::uint16_t add_schema(McapSchema schema);
-  /// `schema` 0: none. Returns the id, from 0. At most 65536.
+  /// `schema` 0: no schema. Returns the id, from 0. At most 65536.
   std::uint16_t add_channel(const std::string& topic, const std::string& message_encoding, std::uint16_t schema);
 
-  /// Times in ns since the Unix epoch: `log_time` is what a viewer plays by, `publish_time` the message's own.
-  /// `channel` is one that add_channel() returned.
+  /// Times in ns since the Unix epoch: `log_time` is the time by which a viewer plays, `publish_time` the message's
+  /// own. `channel` is an id returned by add_channel().
   void write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, std::string_view data);
-  /// Ends the file. Once; nothing may be written after.
+  /// Ends the file. Call it once; nothing may be written afterwards.
   void finish();
 
   [[nodiscard]] std::uint64_t messages() const { return messages_; }
@@ -53,7 +53,7 @@ class McapWriter {
     std::string encoding;
     std::uint16_t schema = 0;
     std::uint64_t messages = 0;
-    bool in_data = false;  // its record is in a chunk
+    bool in_data = false;  // its channel record is in a chunk
     RecordBytes index;     // of the open chunk: (time, offset)
   };
   struct Schema {
@@ -69,7 +69,7 @@ class McapWriter {
   struct Chunk {
     Span times;
     std::uint64_t offset = 0;
-    std::uint64_t length = 0;  // of the record, with its head
+    std::uint64_t length = 0;  // of the record, with its header
     std::uint64_t index_length = 0;
     std::uint64_t packed_size = 0;
     std::uint64_t size = 0;
@@ -94,7 +94,7 @@ class McapWriter {
   Span times_;
   std::uint64_t messages_ = 0;
   std::uint64_t offset_ = 0;
-  std::uint32_t crc_ = 0;  // of all that was put since it was set to 0
+  std::uint32_t crc_ = 0;  // of everything put since it was set to 0
 };
 
 }  // namespace curbstone

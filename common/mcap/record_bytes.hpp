@@ -25,7 +25,7 @@ enum class McapRecord : std::uint8_t {
   kDataEnd = 0x0f,
 };
 
-/// Appends MCAP's numbers and texts, least significant byte first.
+/// Appends MCAP's numbers and texts, little-endian.
 class RecordBytes {
  public:
   static constexpr std::size_t kHead = 9;  ///< bytes of a record before its content
@@ -41,9 +41,9 @@ class RecordBytes {
     bytes_.append(bytes);
     return *this;
   }
-  /// A text, a list or a map: its length in bytes stands before it.
+  /// Appends a text, a list or a map, preceded by its length in bytes.
   RecordBytes& text(std::string_view bytes) { return number(static_cast<std::uint32_t>(bytes.size())).raw(bytes); }
-  /// The head of a record of `length` bytes of content.
+  /// Appends the header of a record with `length` bytes of content.
   RecordBytes& head(McapRecord kind, std::uint64_t length) {
     return number(static_cast<std::uint8_t>(kind)).number(length);
   }

@@ -23,7 +23,7 @@ class ValueDecoder {
 
   [[nodiscard]] bool message(const MessageType& type, const std::string& prefix, int depth = 0) {
     if (depth > kDeepest) return false;
-    std::vector<std::pair<std::string_view, std::int64_t>> lengths;  // whole numbers of this message so far
+    std::vector<std::pair<std::string_view, std::int64_t>> lengths;  // integers of this message so far
     for (const MessageField& field : type.fields) {
       if (!array(field, 0, prefix + field.name, lengths, depth)) return false;
       const auto* number = values_.empty() ? nullptr : std::get_if<std::int64_t>(&values_.back().value);
@@ -50,7 +50,8 @@ class ValueDecoder {
     const std::int64_t length = length_of(field.dimensions[axis], lengths);
     if (length < 0) return false;
     for (std::int64_t i = 0; i < length; ++i) {
-      // Elements without a byte, of an empty message or array, count too: else a length alone is work without end.
+      // Elements without bytes (empty messages or arrays) count too: otherwise a length alone could cause unbounded
+      // work.
       if (left_-- == 0) return false;
       if (!array(field, axis + 1, fmt::format("{}[{}]", name, i), lengths, depth)) return false;
     }
@@ -91,7 +92,7 @@ class ValueDecoder {
     bytes_ = bytes_.subspan(sizeof(Raw));
     return make(raw);
   }
-  /// Its length, which counts the NUL at its end, and the characters.
+  /// Reads a text: its length, which includes the final NUL, and the characters.
   std::optional<FieldValue> text() {
     if (bytes_.size() < 4) return std::nullopt;
     const auto length = read_big_endian<std::uint32_t>(bytes_);
@@ -103,7 +104,7 @@ class ValueDecoder {
 
   const TypeTable& table_;
   std::span<const std::uint8_t> bytes_;
-  std::size_t left_;  // elements of arrays
+  std::size_t left_;  // remaining array elements
   std::vector<NamedValue> values_;
 };
 

@@ -6,9 +6,9 @@
 
 namespace curbstone {
 
-/// How many elements an array has along one axis: a number, or an earlier field of the same message.
+/// The length of an array along one axis: a number, or an earlier field of the same message.
 struct ArrayLength {
-  std::string text;   ///< as it is written: "36" or "num_points"
+  std::string text;   ///< as written: "36" or "num_points"
   bool fixed = true;  ///< `text` is a number
 };
 
@@ -24,7 +24,8 @@ struct MessageType {
   std::vector<MessageField> fields;
 };
 
-/// int8_t, int16_t, int32_t, int64_t, byte, float, double, string or boolean: all that LCM has.
+/// Whether the type is int8_t, int16_t, int32_t, int64_t, byte, float, double, string or boolean: all of LCM's
+/// primitives.
 [[nodiscard]] bool is_primitive(const std::string& type);
 
 }  // namespace curbstone

@@ -14,7 +14,7 @@ namespace {
 constexpr std::array<std::string_view, 9> kPrimitives = {"int8_t", "int16_t", "int32_t", "int64_t", "byte",
                                                          "float",  "double",  "string",  "boolean"};
 
-/// Words and punctuation, one after the other, without comments.
+/// Splits the text into words and punctuation, without comments.
 class TypeTokens {
  public:
   explicit TypeTokens(std::string_view text) : text_(text) { advance(); }

@@ -7,8 +7,9 @@
 
 namespace curbstone {
 
-/// The types that the text of a .lcm file defines (grammar: LCM's "type specification" page). Throws std::runtime_error
-/// with the line at which the text is no such definition. Enumerations, which LCM gave up, are not read.
+/// Parses the types that the text of a .lcm file defines (grammar: LCM's "type specification" page). Throws
+/// std::runtime_error with the line at which the text is not a valid definition. Enumerations, which LCM has abandoned,
+/// are not supported.
 [[nodiscard]] std::vector<MessageType> parse_message_types(std::string_view text);
 
 }  // namespace curbstone

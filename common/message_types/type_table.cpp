@@ -14,7 +14,8 @@ namespace {
 
 using Types = std::map<std::string, MessageType>;
 
-/// lcmgen.c: hash_update(), hash_string_update(), lcm_struct_hash(). Arithmetic is modulo 2^64, shifts keep the sign.
+/// lcmgen.c: hash_update(), hash_string_update(), lcm_struct_hash(). Arithmetic is modulo 2^64; shifts preserve the
+/// sign.
 class FieldHash {
  public:
   void add(std::uint8_t byte) {
@@ -45,7 +46,8 @@ std::uint64_t own_hash(const MessageType& type) {
   return hash.value();
 }
 
-/// A type that holds itself counts once, as in lcm-gen. Nothing if a type that it holds is not known.
+/// The hash of a type with its member types. A type that contains itself counts once, as in lcm-gen. Nothing if a
+/// member type is not known.
 std::optional<std::uint64_t> recursive_hash(const Types& types, const MessageType& type,
                                             std::vector<const MessageType*>& parents) {
   if (std::find(parents.begin(), parents.end(), &type) != parents.end()) return 0;

@@ -15,22 +15,23 @@ namespace curbstone {
 class TypeTable {
  public:
   TypeTable() = default;
-  TypeTable(TypeTable&&) = default;  // the maps keep their nodes, to which one points into the other
+  TypeTable(TypeTable&&) = default;  // moving keeps the maps' nodes, into which the other map points
   TypeTable& operator=(TypeTable&&) = default;
   ~TypeTable() = default;
 
-  /// The types of lcmtypes/: what Curbstone's processes say.
+  /// The types of lcmtypes/: those of Curbstone's messages.
   [[nodiscard]] static const TypeTable& built_in();
 
   /// Adds the types of a .lcm file. Throws std::runtime_error: see parse_message_types().
   void add(std::string_view text);
 
-  /// None: nullptr. A type that holds one that is not in the table has no fingerprint.
+  /// The type with this fingerprint; nullptr if there is none. A type with a member type that is not in the table has
+  /// no fingerprint.
   [[nodiscard]] const MessageType* find(std::int64_t fingerprint) const;
   [[nodiscard]] const MessageType* find(const std::string& name) const;
-  /// With what a message of this type begins; nothing if there is no such type.
+  /// The fingerprint with which a message of this type begins; nothing if there is no such type.
   [[nodiscard]] std::optional<std::int64_t> fingerprint(const std::string& name) const;
-  /// The type of a message, by its first eight bytes.
+  /// The type of a message, found by its first eight bytes.
   [[nodiscard]] const MessageType* type_of(const void* data, std::size_t size) const;
 
  private:

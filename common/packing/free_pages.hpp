@@ -5,18 +5,18 @@
 
 namespace curbstone {
 
-/// Which pages of a file are free. It grows when none of its gaps is long enough.
+/// The free pages of a file. The file grows when none of its gaps is long enough.
 class FreePages {
  public:
-  /// The first of `count` pages in a row, which are no longer free.
+  /// Allocates `count` consecutive pages. Returns the first one.
   [[nodiscard]] std::uint64_t take(std::uint64_t count);
-  /// Pages that were taken.
+  /// Frees pages that take() returned.
   void give_back(std::uint64_t first, std::uint64_t count);
-  /// Of the file, used or not.
+  /// Length of the file in pages, used or not.
   [[nodiscard]] std::uint64_t num_pages() const { return end_; }
 
  private:
-  std::map<std::uint64_t, std::uint64_t> gaps_;  // first page: count; none touch each other or the end
+  std::map<std::uint64_t, std::uint64_t> gaps_;  // first page: count; no gap touches another gap or the end of the file
   std::uint64_t end_ = 0;
 };
 

@@ -25,9 +25,9 @@ namespace curbstone {
 namespace {
 
 constexpr std::uint64_t kPage = 4096;
-constexpr std::chrono::seconds kPatience{5};  // after a disk has refused
+constexpr std::chrono::seconds kPatience{5};  // retry after a disk error
 constexpr std::size_t kMuch = 8'000'000;      // bytes
-constexpr std::uint64_t kWorthwhile = 256;    // pages, that a disk gets back
+constexpr std::uint64_t kWorthwhile = 256;    // pages: fewer free pages at the end are not returned to the disk
 
 std::uint32_t checksum_of(const PackedValues& bytes) {
   return static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
@@ -39,7 +39,7 @@ std::string in_words(int error) {
 
 }  // namespace
 
-/// Where the values are: in `bytes` until the file has them.
+/// The storage of the values: `bytes` until they are written to the file.
 struct SpillFile::Values::Place {
   Place(PackedValues values, std::shared_ptr<File> of);
   Place(const Place&) = delete;
@@ -49,14 +49,14 @@ struct SpillFile::Values::Place {
 
   PackedValues bytes;
   std::size_t size;
-  std::uint64_t turn = 0;             // to be written
+  std::uint64_t turn = 0;             // key in the queue of writes
   std::optional<std::uint64_t> page;  // the first one in the file
-  std::uint32_t checksum = 0;         // of what is there: memory, unlike a disk, is believed
+  std::uint32_t checksum = 0;         // of the bytes in the file: the disk is verified, memory is not
   std::shared_ptr<File> file;
 };
 
-/// Its lock is for all that it has and for where places are. The file's contents need none: whoever reads or writes a
-/// place holds it.
+/// The file and its writer thread. The lock guards its members and the locations of places. The content of the file
+/// needs no lock: a place being read or written is held by its reader or writer.
 class SpillFile::File {
  public:
   using Place = Values::Place;
@@ -104,12 +104,12 @@ class SpillFile::File {
     return bytes;
   }
 
-  /// Writes what waits until stop().
+  /// Writes the waiting places until stop().
   void run() {
     std::unique_lock lock(mutex_);
     while (true) {
       if (waiting_.empty()) {
-        fault_.clear();  // nothing is in memory that should not be
+        fault_.clear();  // no values are left in memory because of a fault
         give_back_the_end(lock);
       }
       news_.wait(lock, [this] { return stopped_ || !waiting_.empty() || has_free_end(); });
@@ -119,7 +119,7 @@ class SpillFile::File {
       waiting_.erase(waiting_.begin());
       if (place) write(*place, lock);
       if (place && !place->page) waiting_.emplace(place->turn, place);
-      lock.unlock();  // a place that nobody else has goes with it
+      lock.unlock();  // the lock is released before `place`, whose destruction locks it
       place.reset();
       lock.lock();
       news_.notify_all();
@@ -179,9 +179,9 @@ class SpillFile::File {
       ::unlink(name.c_str());
     }
   }
-  /// Worth a call of the system.
+  /// Whether enough pages are free at the end to be worth a system call.
   [[nodiscard]] bool has_free_end() const { return free_.num_pages() + kWorthwhile <= has_pages_; }
-  /// Without the lock while the disk works: nobody else takes pages.
+  /// Releases the lock while the disk works: only this thread takes pages.
   void give_back_the_end(std::unique_lock<std::mutex>& lock) {
     if (!has_free_end()) return;
     const std::uint64_t end = free_.num_pages();
@@ -190,7 +190,7 @@ class SpillFile::File {
     lock.lock();
     has_pages_ = end;
   }
-  /// Without the lock while the disk works. Afterwards it has its place, or there is a fault.
+  /// Releases the lock while the disk works. Afterwards the place has its page, or there is a fault.
   void write(Place& place, std::unique_lock<std::mutex>& lock) {
     const std::uint64_t page = free_.take(place.num_pages());
     const bool needs_room = page + place.num_pages() > has_pages_;
@@ -209,7 +209,7 @@ class SpillFile::File {
     in_file_ += place.size;
     place.bytes = PackedValues();
   }
-  /// What went wrong.
+  /// Returns the error in words; empty if there is none.
   [[nodiscard]] std::string write_at(std::uint64_t page, const PackedValues& bytes, bool needs_room) const {
     struct statvfs disk {};
     if (needs_room && ::fstatvfs(descriptor_, &disk) == 0 && disk.f_bavail * disk.f_frsize < leave_free_ + bytes.size())
@@ -234,7 +234,7 @@ class SpillFile::File {
   bool writing_ = false;
   bool stopped_ = false;
   FreePages free_;
-  std::uint64_t has_pages_ = 0;  // of the file, on the disk: some of them may be free
+  std::uint64_t has_pages_ = 0;  // length of the file on the disk; some pages may be free
   std::size_t in_memory_ = 0;    // bytes
   std::size_t in_file_ = 0;      // bytes
   mutable std::atomic<std::int64_t> failed_reads_ = 0;

@@ -9,29 +9,29 @@
 
 namespace curbstone {
 
-/// Takes packed values out of a process's memory, into a file that has no name and is gone when the process ends,
-/// however it does. A thread of its own writes them: who puts something away does not wait for a disk. What is not yet
-/// written is in memory; so is everything without a folder, while the disk is nearly full, and while it cannot be
-/// written.
+/// Moves packed values out of a process's memory into an unnamed file, which disappears when the process ends, for
+/// whatever reason. A separate thread writes the values, so the caller does not wait for the disk. Values stay in
+/// memory until they are written. They also stay in memory if there is no folder, while the disk is nearly full, and
+/// while it cannot be written.
 class SpillFile {
  public:
-  /// `folder`: of the file; empty: none. One that cannot be written to is a fault, not an error. `leave_free`: bytes of
-  /// the disk that are for others.
+  /// `folder`: of the file; empty: none. A folder that cannot be written to is a fault, not an error. `leave_free`:
+  /// bytes of the disk to leave free for other uses.
   explicit SpillFile(const std::string& folder = {}, std::uint64_t leave_free = std::uint64_t{1} << 30);
-  /// What was put away may live longer, and the file with it.
+  /// Stored values may outlive this object; the file then lives as long as they do.
   ~SpillFile();
   SpillFile(const SpillFile&) = delete;
   SpillFile& operator=(const SpillFile&) = delete;
 
-  /// Values that were put away. Copies share them; the last one gives their room back. Any thread.
+  /// A handle to stored values. Copies share the values; the last copy frees their space. Any thread.
   class Values {
    public:
-    /// Nothing has been put away here.
+    /// Whether the handle holds no values.
     [[nodiscard]] bool empty() const { return place_ == nullptr; }
-    /// Not in memory any more.
+    /// Whether the values are only in the file, no longer in memory.
     [[nodiscard]] bool is_in_file() const;
-    /// As they were; of those that are empty, none. Throws std::runtime_error if the file cannot be read, or holds
-    /// something else by now.
+    /// Returns the stored values; none if the handle is empty. Throws std::runtime_error if the file cannot be read or
+    /// its content has changed.
     [[nodiscard]] PackedValues read() const;
 
    private:
@@ -43,17 +43,17 @@ class SpillFile {
 
   [[nodiscard]] std::size_t bytes_in_memory() const;
   [[nodiscard]] std::size_t bytes_in_file() const;
-  /// How often it could not be read, or what was read was not what had been written.
+  /// How often the file could not be read, or its content differed from what was written.
   [[nodiscard]] std::int64_t failed_reads() const;
-  /// Why, the last time; empty: it never was so.
+  /// The reason of the last failed read; empty if none has failed.
   [[nodiscard]] std::string read_fault() const;
-  /// Why values stay in memory though there is a folder; empty: they do not.
+  /// Why values stay in memory although there is a folder; empty if they do not.
   [[nodiscard]] std::string fault() const;
-  /// Whether what is put away leaves the memory, soon if it has not yet.
+  /// Whether stored values leave memory, now or soon.
   [[nodiscard]] bool takes() const;
-  /// Waits until nothing is left to be written, or cannot be for now.
+  /// Waits until nothing is left to write, or nothing can be written for now.
   void flush();
-  /// Likewise, if much waits: for who puts a lot away at once and must not fill the memory with it.
+  /// Does so only if much is waiting: for callers that store a lot at once and must not fill the memory with it.
   void flush_much();
 
  private:

@@ -13,18 +13,19 @@
 namespace curbstone {
 namespace {
 
-constexpr int kLevel = 1;  // the fastest: what is put away on the way may be wanted again soon
+constexpr int kLevel = 1;  // the fastest: packed values may be needed again soon
 
 struct FreeContext {
   void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
   void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
 };
 
-/// What zstd works with takes half a megabyte. It is kept for who packs next: a thread that does may live for one task.
+/// zstd's context takes half a megabyte. It is kept for the next caller, because a thread that packs may live for one
+/// task only.
 template <class Context>
 class ContextPool {
  public:
-  /// One of them, until its end.
+  /// Exclusive use of a context for the lifetime of this object.
   class Loan {
    public:
     Loan(ContextPool& pool, Context* (*make)()) : pool_(pool) {
@@ -73,7 +74,7 @@ PackedValues ValuePacker::pack() const {
   std::vector<std::byte> room(ZSTD_compressBound(bytes_.size()));
   const std::size_t size =
       ZSTD_compressCCtx(context.get(), room.data(), room.size(), bytes_.data(), bytes_.size(), kLevel);
-  if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // there is room enough, so that nothing else can be wrong
+  if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // the only possible error: the buffer is large enough
   return {room.begin(), room.begin() + static_cast<std::ptrdiff_t>(size)};
 }
 

@@ -9,11 +9,11 @@
 
 namespace curbstone {
 
-/// Values that are put away, compressed.
+/// Compressed values.
 using PackedValues = std::vector<std::byte>;
 
-/// Compresses values that a process keeps and does not look at for now; ValueUnpacker brings every bit back. No format
-/// of a file: only the program that packed them reads them.
+/// Compresses values that a process keeps but does not use for now; ValueUnpacker restores every bit. This is not a
+/// file format: only the program that packed the values reads them.
 class ValuePacker {
  public:
   template <class T>
@@ -21,8 +21,8 @@ class ValuePacker {
     static_assert(!std::ranges::range<T>, "a span would be packed as a pointer; put_all() packs what it shows");
     put_all(std::span<const T>(&value, 1));
   }
-  /// Without their number. They go in as planes: the first bytes of all values, then the second ones. So the high bytes
-  /// of numbers that are alike lie together, and hardly take room.
+  /// Puts values without their number, as byte planes: the first bytes of all values, then the second ones, and so on.
+  /// The high bytes of similar numbers then lie together and compress well.
   template <class T>
   void put_all(std::span<const T> values) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -34,8 +34,8 @@ class ValuePacker {
     put_all(std::span<const T>(values));
   }
 
-  /// One field of all values, with their number: as the steps from each to the next, which hardly take room where
-  /// neighbours are alike.
+  /// Puts one field of all values, with their number, as differences between neighbours, which compress well where
+  /// neighbours are similar.
   template <class T, class Field>
   void put_steps(const std::vector<T>& values, Field T::*field) {
     using Step = std::make_unsigned_t<Field>;
@@ -50,7 +50,7 @@ class ValuePacker {
     put(steps);
   }
 
-  /// Of all that was put. Throws std::bad_alloc.
+  /// Compresses everything that was put. Throws std::bad_alloc.
   [[nodiscard]] PackedValues pack() const;
 
  private:
@@ -58,10 +58,10 @@ class ValuePacker {
   std::vector<std::byte> bytes_;
 };
 
-/// Takes values in the order in which they were put.
+/// Reads values in the order in which they were put.
 class ValueUnpacker {
  public:
-  /// Throws std::runtime_error if these are no packed values.
+  /// Throws std::runtime_error if the bytes are not packed values.
   explicit ValueUnpacker(std::span<const std::byte> packed);
 
   template <class T>
@@ -70,7 +70,7 @@ class ValueUnpacker {
     take_all(std::span<T>(&value, 1));
     return value;
   }
-  /// As many as there is room for.
+  /// Reads as many values as the span has room for.
   template <class T>
   void take_all(std::span<T> values) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -81,7 +81,7 @@ class ValueUnpacker {
     values.resize(take_count(sizeof(T)));
     take_all(std::span<T>(values));
   }
-  /// What put_steps() put, into as many values.
+  /// Reads what put_steps() put, into as many values.
   template <class T, class Field>
   void take_steps(std::vector<T>& values, Field T::*field) {
     using Step = std::make_unsigned_t<Field>;

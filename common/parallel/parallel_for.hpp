@@ -7,8 +7,9 @@
 
 namespace curbstone {
 
-/// Calls work(begin, end) for pieces of [0, count) of at most `chunk`, on `threads` threads, this one included. `work`
-/// must not throw. What a piece comes to must not depend on the others: then neither does it on the number of threads.
+/// Calls work(begin, end) for pieces of [0, count) of at most `chunk`, on `threads` threads, including the calling one.
+/// `work` must not throw. The result of a piece must not depend on other pieces; the total result is then independent
+/// of the number of threads.
 template <class Work>
 void parallel_for(std::size_t count, std::size_t chunk, int threads, const Work& work) {
   std::atomic<std::size_t> next{0};

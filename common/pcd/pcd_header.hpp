@@ -9,14 +9,14 @@
 
 namespace curbstone {
 
-/// A number of each point, four bytes wide.
+/// A numeric field of each point, four bytes wide.
 struct PcdField {
   std::string_view name;
   char type = 'F';  ///< F: float, U: unsigned, I: signed
 };
 
 /// The header of a binary PCD 0.7 file (pointclouds.org, "The PCD file format"), which PCL, pcl_viewer and CloudCompare
-/// open. Behind it stand the points, one after the other, each with its fields in this order, little-endian.
+/// open. The points follow it, each with its fields in this order, little-endian.
 [[nodiscard]] std::string pcd_header(std::span<const PcdField> fields, std::size_t points,
                                      const Pose& viewpoint = Pose::Identity());
 

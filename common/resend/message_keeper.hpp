@@ -9,7 +9,7 @@
 
 namespace curbstone {
 
-/// A message as it went out. Publisher::publish() takes it as it is.
+/// A sent message in encoded form. Publisher::publish() accepts it.
 struct EncodedMessage {
   std::int64_t utime = 0;  ///< us
   std::vector<std::uint8_t> encoded;
@@ -19,18 +19,18 @@ struct EncodedMessage {
   int encode(void* to, int offset, int max) const;
 };
 
-/// RecentMessages of any type, which are kept encoded.
+/// RecentMessages for any message type; the messages are kept encoded.
 class MessageKeeper final : public RecentMessages<EncodedMessage> {
  public:
   using RecentMessages::RecentMessages;
 
-  /// A message that was sent on the channel.
+  /// Keeps a message that was sent on the channel.
   template <class Message>
   void keep(const Message& message) {
     const int size = message.getEncodedSize();
     if (size <= 0 || !make_room(message.utime, static_cast<std::size_t>(size))) return;
     EncodedMessage kept{message.utime, std::move(forgotten().encoded)};
-    kept.encoded.reserve(static_cast<std::size_t>(size));  // so much and no more: resize() doubles what is too small
+    kept.encoded.reserve(static_cast<std::size_t>(size));  // exactly this capacity: resize() would round it up
     kept.encoded.resize(static_cast<std::size_t>(size));
     if (message.encode(kept.encoded.data(), 0, size) == size) add(std::move(kept));
   }

@@ -14,40 +14,40 @@ namespace curbstone {
 
 inline constexpr const char* kResendRequests = "RESEND_REQUEST";
 
-/// Where what was sent on `channel` comes again.
+/// The channel on which messages of `channel` are sent again.
 [[nodiscard]] inline std::string again(const std::string& channel) {
   return channel + "_AGAIN";
 }
 
-/// What is kept at most.
+/// Bounds of what is kept.
 struct KeepLimits {
   std::int64_t span = 10'000'000;             ///< us, by the stamps of the messages
-  std::size_t bytes = std::size_t{64} << 20;  ///< of what is kept of them
+  std::size_t bytes = std::size_t{64} << 20;  ///< of the kept messages
 };
 
-/// The newest messages of a channel, for listeners that lost some on the bus. Of each a `Kept` is held, from which the
-/// message can be made again: it has `utime` (us), bytes(), which it takes, and message(), which Publisher::publish()
-/// takes. Answers go out at a pace that a stock kernel's socket buffer bears beside the channel itself: kAtOnce
-/// messages and kBytesAtOnce a tick. One thread.
+/// The newest messages of a channel, for listeners that lost some of them on the bus. For each message a `Kept` is
+/// held, from which the message can be made again. A `Kept` has `utime` (us), bytes(), the memory it takes, and
+/// message(), which Publisher::publish() accepts. Answers are paced so that a stock kernel's socket buffer can hold
+/// them besides the channel's own messages: at most kAtOnce messages and kBytesAtOnce a tick. One thread.
 template <class Kept>
 class RecentMessages {
  public:
-  static constexpr int kAtOnce = 30;                    ///< messages a tick: of 20 ms, twice what a LiDAR sends
+  static constexpr int kAtOnce = 30;                    ///< messages a tick of 20 ms: twice what a LiDAR sends
   static constexpr std::size_t kBytesAtOnce = 180'000;  ///< a tick
-  static constexpr std::size_t kMostAsking = 8;         ///< listeners that are answered at a time
+  static constexpr std::size_t kMostAsking = 8;         ///< listeners answered at a time
 
   RecentMessages(Publisher& bus, std::string channel, KeepLimits limits = {})
       : bus_(bus), channel_(std::move(channel)), limits_(limits) {}
 
-  /// Of a message that was sent on the channel. They come in the order of their stamps; one that does not is not kept,
-  /// and a stamp that jumps back begins anew.
+  /// Keeps a message that was sent on the channel. Messages come in the order of their stamps; one that is out of order
+  /// is not kept, and a stamp that jumps back clears what was kept.
   void add(Kept message) {
     if (!make_room(message.utime, message.bytes())) return;
     kept_bytes_ += message.bytes();
     kept_.push_back(std::move(message));
   }
 
-  /// A request, of any channel. The newest one of a requester replaces the one before.
+  /// Takes a request for any channel. A requester's newest request replaces its previous one.
   void request(const resend_request_t& message) {
     if (message.channel != channel_) return;
     std::erase_if(wanted_, [&](const Wanted& wanted) { return wanted.requester == message.requester; });
@@ -55,7 +55,7 @@ class RecentMessages {
     wanted_.push_back({message.requester, message.after, message.before});
     send();
   }
-  /// Each 20 ms: sends a part of what was asked for.
+  /// Call every 20 ms: sends a part of the requested messages.
   void tick() {
     messages_left_ = kAtOnce;
     bytes_left_ = kBytesAtOnce;
@@ -66,7 +66,7 @@ class RecentMessages {
   [[nodiscard]] std::int64_t resent() const { return resent_; }
 
  protected:
-  /// Forgets what is too old or too much. False for a message that is not to be kept.
+  /// Evicts messages beyond the limits. Returns false if the new message is not to be kept.
   [[nodiscard]] bool make_room(std::int64_t utime, std::size_t bytes) {
     if (utime <= 0 || bytes > limits_.bytes) return false;
     if (!kept_.empty() && utime <= kept_.back().utime) {
@@ -81,7 +81,7 @@ class RecentMessages {
     }
     return true;
   }
-  /// The last one: its memory does for another.
+  /// The message evicted last: its memory can be reused.
   [[nodiscard]] Kept& forgotten() { return forgotten_; }
 
  private:
@@ -90,7 +90,7 @@ class RecentMessages {
     std::int64_t after, before;  // us
   };
 
-  /// In turn: one message to each who asks.
+  /// Serves the requesters in turn, one message each.
   void send() {
     while (!wanted_.empty()) {
       Wanted wanted = std::move(wanted_.front());
@@ -109,7 +109,7 @@ class RecentMessages {
       wanted_.push_back(std::move(wanted));
     }
   }
-  /// False: it is too long for what is left of the tick.
+  /// Returns false if the message exceeds the tick's remaining bytes.
   bool send(const Kept& kept) {
     decltype(auto) message = kept.message();
     const auto bytes = static_cast<std::size_t>(message.getEncodedSize());
@@ -127,7 +127,7 @@ class RecentMessages {
   std::deque<Kept> kept_;
   std::size_t kept_bytes_ = 0;
   Kept forgotten_;
-  std::deque<Wanted> wanted_;  // whose turn it is comes first
+  std::deque<Wanted> wanted_;  // the next requester to serve comes first
   int messages_left_ = kAtOnce;
   std::size_t bytes_left_ = kBytesAtOnce;
   std::int64_t resent_ = 0;

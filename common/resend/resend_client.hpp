@@ -9,41 +9,41 @@
 
 namespace curbstone {
 
-/// Messages that a listener lacks: those between two that it has.
+/// A gap in a listener's messages, between two that it has.
 struct MissingMessages {
-  std::int64_t after = 0;   ///< us, stamp of the last before
-  std::int64_t before = 0;  ///< us, stamp of the first behind
+  std::int64_t after = 0;   ///< us, stamp of the last message before the gap
+  std::int64_t before = 0;  ///< us, stamp of the first message after the gap
 };
 
-/// The listener's side of MessageKeeper: asks for what is missing, and again while nothing comes. Some senders never
-/// answer: a log's, one of an earlier version, one behind a relay that carries no answers. Each loss would then cost
-/// the time that the answer is waited for. So after kPatience losses in a row of which nothing came again, is_deaf()
-/// says for a minute not to wait. One thread.
+/// The listener's side of MessageKeeper: requests missing messages, and again while no answer comes. Some senders never
+/// answer: a log, an earlier version, or one behind a relay that carries no answers. Each loss would then cost the full
+/// wait for an answer. Therefore, after kPatience losses in a row without any answer, is_deaf() tells the caller for a
+/// minute not to wait. One thread.
 class ResendClient {
  public:
   static constexpr int kPatience = 3;
   static constexpr std::int64_t kAskAgain = 200'000;        ///< us without an answer
   static constexpr std::int64_t kDeafFor = 60'000'000;      ///< us of message time
-  static constexpr std::int64_t kMostMissing = 10'000'000;  ///< us: more is kept by nobody
+  static constexpr std::int64_t kMostMissing = 10'000'000;  ///< us: no sender keeps more than this
 
   ResendClient(Publisher& bus, std::string requester, std::string channel)
       : bus_(bus), requester_(std::move(requester)), channel_(std::move(channel)) {}
 
-  /// How much longer something has been waited for, us, by the `now` of this tick and of the one before (0: none). Who
-  /// has been stopped hears seconds between two ticks, and the answer may be among what it has not heard yet: a tick
-  /// counts for kMostATick at most. In a replay ticks are far apart in message time.
+  /// The waiting time to add for this tick, us, from the `now` of this tick and of the one before (0: none). A process
+  /// that was stopped sees seconds between two ticks, and the answer may be among messages that it has not handled yet:
+  /// a tick counts for at most kMostATick. In a replay ticks are far apart in message time.
   [[nodiscard]] static std::int64_t waited(std::int64_t now, std::int64_t before) {
     return before == 0 ? kTick : std::clamp(now - before, kTick, kMostATick);
   }
-  static constexpr std::int64_t kTick = 20'000;        ///< us: where the clock stands still, too
+  static constexpr std::int64_t kTick = 20'000;        ///< us: the minimum, also if the clock stands still
   static constexpr std::int64_t kMostATick = 500'000;  ///< us
 
-  /// Each tick, with what is missing now. `now`, us, only paces.
+  /// Call each tick with the present gap. `now`, us, is used for pacing only.
   void ask(std::int64_t now, const std::optional<MissingMessages>& missing);
 
-  /// Something that was missing has come.
+  /// A missing message has arrived.
   void answered() { unanswered_ = 0; }
-  /// It is no longer waited for. `utime`: message time, us.
+  /// The listener no longer waits for the gap. `utime`: message time, us.
   void gave_up(std::int64_t utime) {
     ++unanswered_;
     gave_up_at_ = utime;
@@ -55,7 +55,7 @@ class ResendClient {
  private:
   Publisher& bus_;
   std::string requester_, channel_;
-  MissingMessages asked_;        // for what, when looked at last
+  MissingMessages asked_;        // the gap at the last call
   std::int64_t asked_at_ = 0;    // us
   int unanswered_ = 0;           // in a row
   std::int64_t gave_up_at_ = 0;  // us

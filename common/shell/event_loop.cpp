@@ -76,20 +76,20 @@ void EventLoop::run() {
   }
 }
 
-/// us, a second at most.
+/// Time until the next timer, us, at most a second.
 std::int64_t EventLoop::until_next_timer() const {
   std::int64_t due = steady_clock() + 1'000'000;
   for (const Timer& timer : timers_) due = std::min(due, timer.due_us);
   return std::max<std::int64_t>(0, due - steady_clock());
 }
 
-/// So that a second run() waits for a second signal.
+/// Consumes the signal, so that a second run() waits for another one.
 void EventLoop::take_signal() const {
   signalfd_siginfo taken{};
   (void)!read(signal_fd_, &taken, sizeof taken);
 }
 
-/// By value and looked up anew: a handler may watch and unwatch.
+/// Calls a copy of the handler, looked up anew: a handler may watch and unwatch.
 void EventLoop::call_handler(int fd, short events) {
   const auto it = std::find_if(watches_.begin(), watches_.end(),
                                [&](const Watch& watch) { return watch.fd == fd && watch.events == events; });
@@ -98,14 +98,14 @@ void EventLoop::call_handler(int fd, short events) {
   handler();
 }
 
-/// By index, for a task may add a timer. Returns whether any was due.
+/// Iterates by index, because a task may add a timer. Returns whether any timer was due.
 bool EventLoop::run_due_timers() {
   bool was_due = false;
   const std::int64_t now = steady_clock();
   for (std::size_t i = 0; i < timers_.size(); ++i) {
     if (timers_[i].due_us > now) continue;
     was_due = true;
-    timers_[i].due_us = std::max(timers_[i].due_us + timers_[i].period_us, now);  // late once, not a burst
+    timers_[i].due_us = std::max(timers_[i].due_us + timers_[i].period_us, now);  // one late call, not a burst
     const auto task = timers_[i].task;
     task();
   }

@@ -12,21 +12,22 @@ namespace curbstone {
 /// SIGTERM end it.
 class EventLoop {
  public:
-  /// Blocks SIGINT and SIGTERM for the process and takes them by signalfd. Create it before any thread.
+  /// Blocks SIGINT and SIGTERM for the process, receives them through a signalfd, and ignores SIGPIPE. Create it before
+  /// any thread.
   EventLoop();
   ~EventLoop();
   EventLoop(const EventLoop&) = delete;
   EventLoop& operator=(const EventLoop&) = delete;
 
-  /// Calls `on_readable` whenever `fd` is readable, at its end, or in error. The caller still owns the fd.
+  /// Calls `on_readable` whenever `fd` is readable, at end of file, or in error. The caller still owns the fd.
   void watch(int fd, std::function<void()> on_readable);
-  /// Calls `on_writable` whenever `fd` takes more bytes, or is in error. To be ended as soon as nothing waits to be
-  /// written, for most fds are always writable.
+  /// Calls `on_writable` whenever `fd` accepts more bytes, or is in error. End it with unwatch() as soon as no data is
+  /// waiting, because most fds are always writable.
   void watch_writable(int fd, std::function<void()> on_writable);
   void unwatch_writable(int fd);
-  /// Both.
+  /// Ends both kinds of watch.
   void unwatch(int fd);
-  /// Calls `task` once a period. Periods that were missed are not made up for.
+  /// Calls `task` once a period. Missed periods are not made up for.
   void every(std::chrono::milliseconds period, std::function<void()> task);
   /// Calls `task` while nothing is readable and no timer is due, until it returns false. It is called again after the
   /// next event.

@@ -7,31 +7,31 @@
 
 namespace curbstone {
 
-/// "no data for 2.3 s" as "no data for # s".
+/// Replaces the numbers of a text: "no data for 2.3 s" becomes "no data for # s".
 [[nodiscard]] std::string without_numbers(const std::string& text);
 
-/// What a process writes to its log about the faults of SERVICE_STATUS: a line when one has come to stay, a line when
-/// it is over, and nothing in between however long it lasts. Texts that differ only in their numbers are one fault. One
-/// that comes and goes is written less and less often: every 10 s at most, then 20 s, up to 10 minutes.
+/// Turns the faults of SERVICE_STATUS into lines for the process's log: one line when a fault persists, one line when
+/// it is over, and none in between. Texts that differ only in their numbers are one fault. A fault that comes and goes
+/// is written less and less often: at most every 10 s, then every 20 s, up to 10 minutes.
 class FaultLines {
  public:
-  static constexpr std::int64_t kStays = 2'000'000;           ///< us; what a start passes through is no line
+  static constexpr std::int64_t kStays = 2'000'000;           ///< us; a shorter fault, as at a start, is not written
   static constexpr std::int64_t kFirstPause = 10'000'000;     ///< us
-  static constexpr std::int64_t kLongestPause = 600'000'000;  ///< us; a fault that was away so long is a new one
-  static constexpr std::size_t kMaxFaults = 64;               ///< remembered; the next ones are not written
+  static constexpr std::int64_t kLongestPause = 600'000'000;  ///< us; a fault that was absent this long is a new one
+  static constexpr std::size_t kMaxFaults = 64;               ///< remembered; further ones are not written
 
-  /// `faults`: all that hold now. `now`: us of a clock that does not jump. Returns the lines to write, without end of
-  /// line. Call it about once a second.
+  /// `faults`: all present faults. `now`: us of a steady clock. Returns the lines to write, without line ends. Call it
+  /// about once a second.
   std::vector<std::string> update(const std::vector<std::string>& faults, std::int64_t now);
 
  private:
   struct Fault {
-    std::string text;          // as it read last
+    std::string text;          // the latest text
     std::int64_t since = 0;    // holds since then
-    std::int64_t held_at = 0;  // held last
-    std::int64_t due = 0;      // not written before
+    std::int64_t held_at = 0;  // last seen
+    std::int64_t due = 0;      // not written before this time
     std::int64_t pause = kFirstPause;
-    bool written = false;  // and not over since
+    bool written = false;  // its start was written and its end was not
   };
   void hold(const std::string& text, std::int64_t now);
 

@@ -8,8 +8,8 @@
 
 namespace curbstone {
 
-/// The last `capacity` values, in any unit; percentiles on request. add() does not allocate; percentile() copies the
-/// values.
+/// The last `capacity` values, in any unit, with percentiles on request. add() does not allocate; percentile() copies
+/// the values.
 class LatencyWindow {
  public:
   explicit LatencyWindow(std::size_t capacity = 256) : capacity_(capacity) { values_.reserve(capacity); }

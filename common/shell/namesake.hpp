@@ -7,18 +7,19 @@
 
 namespace curbstone {
 
-/// Whether a second process has this one's name on the bus: somebody started it by hand, or two hosts run the same.
-/// What both say is mixed, and no listener can tell. Pure.
+/// Detects a second process with the same name on the bus, for example one started by hand, or the same one on two
+/// hosts. Their messages mix, and no listener can tell them apart. Pure.
 class Namesake {
  public:
   static constexpr std::int64_t kRecent = 3'000'000;  ///< us: statuses come each second
 
-  /// Any status on the bus, at `now`, us on the host's clock. `own`: of this process. One from a log is long ago.
+  /// Takes any status on the bus. `now`: us on the host's clock. `own`: the status of this process. A status whose
+  /// stamp is more than kRecent from `now`, as from a log, is ignored.
   void hear(const service_status_t& message, const service_status_t& own, std::int64_t now) {
     if (message.service != own.service || (message.pid == own.pid && message.host == own.host)) return;
     if (message.utime > now + kRecent || now - message.utime > kRecent) return;
     const bool again = pid_ == message.pid && host_ == message.host;
-    heard_ = again ? heard_ + 1 : 1;  // a predecessor's last word is one
+    heard_ = again ? heard_ + 1 : 1;  // a single status may be the last one of a predecessor
     pid_ = message.pid;
     host_ = message.host;
     last_ = now;

@@ -19,18 +19,18 @@ namespace curbstone {
 namespace {
 
 constexpr std::chrono::seconds kConfigPeriod{5};
-constexpr std::chrono::milliseconds kLookPeriod{200};  // whether a fault has come or gone
+constexpr std::chrono::milliseconds kLookPeriod{200};  // of checks whether a fault has begun or ended
 
-constexpr int kLastTurns = 10;  // of handle(), for what has come before the end
+constexpr int kLastTurns = 10;  // calls of handle() for messages that arrived before the end
 
-/// Who was started by a deputy is a session of its own, and between sessions only their groups' niceness counts
-/// (sched(7), "autogroup").
+/// Sets the niceness of the process and of its session. Each process that a deputy starts is a session of its own, and
+/// between sessions only the niceness of the session counts (sched(7), "autogroup").
 void set_niceness(int nice) {
   setpriority(PRIO_PROCESS, 0, nice);
   std::ofstream("/proc/self/autogroup") << nice;
 }
 
-/// What the process says of how it is configured: see service_config_t.
+/// The message that publishes the process's configuration: see service_config_t.
 service_config_t config_message(const std::string& name, const std::string& section, AnyConfig& config) {
   service_config_t message;
   message.service = name;
@@ -80,7 +80,7 @@ void run(service_config_t config, const std::string& url, const std::string& has
   publish_config();
   loop.run();
 
-  if (nice != 0) set_niceness(0);  // what is still owed is due before the deputy's patience ends
+  if (nice != 0) set_niceness(0);  // the remaining work must end before the deputy's time-out
   for (int turn = 0; turn < kLastTurns; ++turn) bus.handle(std::chrono::milliseconds(0));
   node->finish();
   publish_status();

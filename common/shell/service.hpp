@@ -12,28 +12,28 @@
 
 namespace curbstone {
 
-/// What the shell gives to a process besides its node: for drivers that watch a socket or a serial port.
+/// Facilities that the shell gives a process besides its node: for drivers that watch a socket or a serial port.
 struct ServiceContext {
   std::string name;  ///< unique on the bus, from --name
-  std::string url;   ///< of the bus
+  std::string url;   ///< URL of the bus
   Publisher& bus;
   Tappable& everything;  ///< the same bus: for a recorder
   EventLoop& loop;
-  /// LcmBus::hear_large(): for a recorder, before it taps the bus.
+  /// LcmBus::hear_large(): for a recorder. Call it before tapping the bus.
   std::function<void(std::vector<std::string> channels)> hear_large;
 };
 
-/// Which process this is.
+/// The identity of a process.
 struct ServiceOptions {
-  std::string section;      ///< of the vehicle's file, and the name on the bus unless --name says another
-  SectionNames sections;    ///< all that the file may have: see load_config()
+  std::string section;      ///< section of the vehicle's file, and the name on the bus unless --name gives another
+  SectionNames sections;    ///< all sections that the file may have: see load_config()
   std::string description;  ///< one line, for --help
 };
 
-/// Runs a node as a process until SIGINT or SIGTERM: parses the command line (--config FILE, --set KEY=VALUE,
-/// --lcm-url URL, --name NAME, --dump-config, --version), opens the bus, ticks the node every 20 ms, sends
-/// SERVICE_STATUS at 1 Hz and when a fault comes or goes, calls Node::finish() at the end. Returns the exit status: 0
-/// clean, 1 the environment failed (one clear line on stderr), 2 wrong usage or configuration.
+/// Runs a node as a process until SIGINT or SIGTERM: parses the command line (--config FILE, --set KEY=VALUE, --lcm-url
+/// URL, --name NAME, --dump-config, --version), opens the bus, ticks the node every 20 ms, sends SERVICE_STATUS at 1 Hz
+/// and whenever a fault begins or ends, and calls Node::finish() at the end. Returns the exit status: 0 clean, 1 the
+/// environment failed (one clear line on stderr), 2 wrong usage or configuration.
 ///
 /// `make` builds the node from the loaded configuration. It may throw std::runtime_error with one clear line.
 int run_service(int argc, char** argv, const ServiceOptions& options, AnyConfig& config,

@@ -28,10 +28,10 @@ std::int64_t cpu_time() {
   return us(usage.ru_utime) + us(usage.ru_stime);
 }
 
-/// What of the process lies in memory, bytes.
+/// Resident memory of the process, bytes.
 struct Memory {
   std::int64_t resident = 0;
-  std::int64_t own = 0;  // of it: not pages of files, which processes that run the same programs and libraries share
+  std::int64_t own = 0;  // without pages of files, which processes with the same programs and libraries share
 };
 Memory memory() {
   std::ifstream statm("/proc/self/statm");

@@ -17,24 +17,24 @@ namespace curbstone {
 
 [[nodiscard]] std::string host_name();
 
-/// Where a process has its times from, us; a test has others.
+/// The clocks of a process, us; tests replace them.
 struct Clocks {
   std::function<std::int64_t()> wall = wall_clock;
   std::function<std::int64_t()> steady = steady_clock;
 };
 
-/// Sends SERVICE_STATUS for a process: what its node reports, the facts of the process, that the clock of the host was
-/// set, and that another process has its name. Faults that come to stay, or are over, also go to stderr. Call it from
-/// the loop that does the work: its coming says that the loop turns.
+/// Sends SERVICE_STATUS for a process: its node's report, the process facts, whether the host's clock was set, and
+/// whether another process has the same name. The beginning and end of persistent faults also go to stderr. Call it
+/// from the loop that does the work, so that a status proves that the loop runs.
 class StatusReporter {
  public:
   /// `service`: unique on the bus.
   StatusReporter(std::string service, std::string config_hash, Clocks clocks = {});
 
-  /// Whether the node's faults are others than were said last, whatever their numbers: who waits for a service need not
-  /// wait for the next second.
+  /// Whether the node's faults differ from those sent last, apart from numbers. Such a change is sent at once, so that
+  /// a process that waits for a service need not wait for the next second.
   [[nodiscard]] bool faults_changed(const NodeReport& report) const;
-  /// Any SERVICE_STATUS on the bus.
+  /// Takes any SERVICE_STATUS on the bus.
   void hear(const service_status_t& message) { namesake_.hear(message, status_, clocks_.wall()); }
   void publish(Publisher& bus, const Counters& bus_counters, const NodeReport& report);
 

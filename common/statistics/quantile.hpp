@@ -9,8 +9,9 @@
 namespace curbstone {
 
 /// The q-quantile, 0 <= q <= 1, of at least one value, by the nearest rank: of n values in ascending order the one at
-/// index q (n - 1), rounded, a half up. It is always one of the values; q = 0 is the least, q = 1 the greatest, and of
-/// an even number the median is the upper of the middle two. Takes linear time, and puts the values in another order.
+/// index q (n - 1), rounded half up. The result is always one of the values: q = 0 gives the smallest, q = 1 the
+/// greatest, and the median of an even number of values is the upper of the middle two. Takes linear time and reorders
+/// the values.
 [[nodiscard]] inline double quantile_in_place(std::span<double> values, double q) {
   assert(!values.empty());
   const auto rank = static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5);

@@ -52,7 +52,7 @@ std::string screen_bytes(const std::vector<std::string>& lines, std::size_t heig
   std::string bytes = "\x1b[H";
   const std::size_t shown = height > 0 ? std::min(lines.size(), height) : lines.size();
   for (std::size_t k = 0; k < shown; ++k) {
-    // No line end behind the last line that fits: it would scroll.
+    // No line end after the last line that fits: it would scroll.
     bytes.append(lines[k]).append("\x1b[K").append(k + 1 < shown ? "\r\n" : "");
   }
   return bytes.append("\x1b[J");

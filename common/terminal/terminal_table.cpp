@@ -29,7 +29,7 @@ bool continues(char c) {
   return (static_cast<std::uint8_t>(c) & 0xC0U) == 0x80U;
 }
 
-/// Characters of UTF-8.
+/// The number of UTF-8 characters.
 std::size_t length_of(std::string_view text) {
   return text.size() - static_cast<std::size_t>(std::count_if(text.begin(), text.end(), continues));
 }
@@ -43,7 +43,7 @@ std::string_view beginning(std::string_view text, std::size_t count) {
   return text.substr(0, at);
 }
 
-/// Bytes of the UTF-8 character that begins here; 0 where there is none.
+/// The length in bytes of the UTF-8 character that begins here; 0 if there is none.
 std::size_t character_at(std::string_view text) {
   const auto first = static_cast<std::uint8_t>(text.front());
   const std::size_t size = first < 0x80 ? 1 : first >= 0xC2 && first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
@@ -51,14 +51,14 @@ std::size_t character_at(std::string_view text) {
   return std::all_of(text.begin() + 1, text.begin() + static_cast<std::ptrdiff_t>(size), continues) ? size : 0;
 }
 
-/// C0, DEL, and C1 (U+0080 to U+009F): some terminals obey those too.
+/// Control characters: C0, DEL, and C1 (U+0080 to U+009F), which some terminals obey too.
 bool steers(std::string_view character) {
   const auto first = static_cast<std::uint8_t>(character.front());
   if (character.size() == 1) return first < 0x20 || first == 0x7F;
   return first == 0xC2 && static_cast<std::uint8_t>(character[1]) < 0xA0;
 }
 
-/// A line that is made of pieces, cut at the style's width.
+/// A line assembled from pieces, cut at the style's width.
 class LineWriter {
  public:
   explicit LineWriter(const TextStyle& style) : style_(style) {}
@@ -70,7 +70,7 @@ class LineWriter {
     line_.append(std::exchange(gap_, 0), ' ').append(begin).append(text).append(begin.empty() ? "" : "\x1b[0m");
     used_ += length_of(text);
   }
-  /// Spaces, which are written only if something follows.
+  /// Adds spaces, which are written only if text follows.
   void skip(std::size_t count) {
     gap_ += count;
     used_ += count;

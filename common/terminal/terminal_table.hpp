@@ -10,14 +10,14 @@ namespace curbstone {
 
 enum class Colour { kPlain, kBold, kDim, kGood, kWarning, kBad };
 
-/// How lines are made: for a file or a pipe (the default), or for a terminal.
+/// The style of the lines: for a file or a pipe (the default), or for a terminal.
 struct TextStyle {
   bool colours = false;   ///< by SGR sequences (ECMA-48)
-  std::size_t width = 0;  ///< columns, longer lines are cut; 0: as long as they are
+  std::size_t width = 0;  ///< columns; longer lines are cut; 0: no limit
 };
 
-/// Text of others (a channel's name, a fault) as it may be shown: what would steer the terminal, and what is no UTF-8,
-/// becomes '?'.
+/// Text of foreign origin (a channel's name, a fault) made safe to show: terminal control characters and invalid UTF-8
+/// become '?'.
 [[nodiscard]] std::string printable(std::string_view text);
 
 /// One line in a colour, cut and coloured as the style says. `text` is made printable.
@@ -34,7 +34,7 @@ class TerminalTable {
   struct Column {
     std::string title;
     Align align = Align::kLeft;
-    std::size_t least = 0;  ///< characters, so that a live table does not jump when its values get longer
+    std::size_t least = 0;  ///< characters, so that a live table does not jump when its values grow longer
   };
   struct Cell {
     std::string text;
@@ -42,9 +42,9 @@ class TerminalTable {
   };
 
   explicit TerminalTable(std::vector<Column> columns) : columns_(std::move(columns)) {}
-  /// Missing cells are empty; those beyond the last column are left out.
+  /// Missing cells are empty; cells beyond the last column are ignored.
   void add_row(std::vector<Cell> cells);
-  /// The titles and a line a row, without end of line. No line ends with spaces.
+  /// The titles and one line for each row, without line ends. No line ends with spaces.
   [[nodiscard]] std::vector<std::string> lines(const TextStyle& style = {}) const;
 
  private:

@@ -14,24 +14,24 @@
 
 namespace curbstone {
 
-/// A listener's side of the drive (drive_pages.hpp): which poses of an epoch it has, and which pages it lacks some of.
+/// A listener's side of the drive (drive_pages.hpp): which poses of an epoch it has, and which pages it lacks in part.
 /// Pure; one thread.
 class DriveFollower {
  public:
-  static constexpr std::size_t kMostPoses = 2'000'000;  ///< a day at 20 Hz, 16 MB; of more nothing is known
+  static constexpr std::size_t kMostPoses = 2'000'000;  ///< a day at 20 Hz, 16 MB; further poses are ignored
   static constexpr std::size_t kMostBehind = 20'000;    ///< pages: two days
-  static constexpr std::size_t kPagesAtOnce = 4;        ///< asked for in a request
+  static constexpr std::size_t kPagesAtOnce = 4;        ///< asked for in one request
 
   explicit DriveFollower(std::string requester) : pages_(std::move(requester), kDriveChannel) {}
 
   void start_epoch(std::int32_t epoch);
-  /// A pose has come. False if it had come before, or there are too many.
+  /// Takes the stamp of a received pose, us. Returns false if it is a duplicate or there are too many.
   bool add(std::int64_t utime);
-  /// Takes an index page of whatever channel.
+  /// Takes an index page of any channel.
   void announced(const tile_index_t& message);
-  /// num_tiles is 0 if nothing is to be asked. `now`: message time, us.
+  /// The request for missing pages; num_tiles is 0 if nothing is to be asked. `now`: message time, us.
   [[nodiscard]] tile_request_t make_request(std::int64_t now) { return pages_.make_request(now, kPagesAtOnce); }
-  /// While poses are missing.
+  /// A fault in words while poses are missing.
   [[nodiscard]] std::optional<std::string> fault() const;
 
  private:

@@ -6,28 +6,28 @@
 
 namespace curbstone {
 
-/// Which epoch of the map a listener believes in. An epoch that is over takes everything with it that was made in it.
-/// So one damaged or foreign message must not begin another one. The mapper names an epoch after the second in which it
+/// Decides which epoch of the map a listener follows. When an epoch ends, everything made in it becomes void, so one
+/// damaged or foreign message must not begin another one. The mapper names an epoch after the second in which it
 /// begins, and only the mapper begins one:
 ///
-/// - The first epoch that is heard of is entered at once, unless it lies more than a minute ahead.
-/// - A newer one is entered at the second message that names it, of which one must be the mapper's own announcement.
-///   Until then it is a candidate; an announcement of the present epoch ends that.
-/// - One that is older, or more than a minute ahead, is entered when the mapper has named it kFollowAfter times in a
-///   row: its clock was set, or it goes on with a map of before that.
+/// - The first epoch heard is entered at once, unless it lies more than a minute ahead.
+/// - A newer epoch is entered at the second message that names it, of which one must be the mapper's own announcement.
+///   Until then it is a candidate; an announcement of the present epoch discards the candidate.
+/// - An epoch that is older, or more than a minute ahead, is entered when the mapper has named it kFollowAfter times in
+///   a row: the mapper's clock was set, or it continues an earlier map.
 ///
 /// Pure: message time in, one thread.
 class EpochFollower {
  public:
   enum class Source {
     kMapper,  ///< the mapper's own announcement: MAP_POSE, MAP_TRAJECTORY, TILE_INDEX of its tiles
-    kOther,   ///< names an epoch that it has heard of itself
+    kOther,   ///< a process that names an epoch it has heard of
   };
   enum class Verdict {
     kPresent,    ///< of the present epoch
-    kEntered,    ///< of an epoch that begins with this message: what belongs to the one before is void
-    kCandidate,  ///< of one that may begin with one of the next messages
-    kOther,      ///< of an epoch that is over, or that nobody but this message speaks of
+    kEntered,    ///< of an epoch that begins with this message: data of the previous epoch is void
+    kCandidate,  ///< of an epoch that may begin with one of the next messages
+    kOther,      ///< of an epoch that is over, or that only this message names
   };
 
   static constexpr int kFollowAfter = 50;                ///< announcements: 2.5 s of MAP_POSE
@@ -38,8 +38,8 @@ class EpochFollower {
   Verdict hear(std::int32_t epoch, Source source, std::int64_t now);
 
   [[nodiscard]] std::optional<std::int32_t> epoch() const { return epoch_; }
-  /// Where candidates or strangers persist: kFollowAfter messages in a row that are not of the present epoch, or an
-  /// epoch that was entered against the clock within the last ten seconds.
+  /// A fault in words if candidates or strangers persist: kFollowAfter messages in a row that are not of the present
+  /// epoch, or an epoch entered within the last ten seconds although it contradicts the clock.
   [[nodiscard]] std::optional<std::string> fault(std::int64_t now) const;
 
  private:
@@ -48,7 +48,7 @@ class EpochFollower {
 
   struct Candidate {
     std::int32_t epoch = 0;
-    int named = 0;      // by anybody
+    int named = 0;      // by any process
     int announced = 0;  // by the mapper
   };
   std::optional<std::int32_t> epoch_;

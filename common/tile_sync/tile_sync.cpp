@@ -9,7 +9,7 @@ namespace curbstone {
 
 namespace {
 
-/// A tile that may be announced.
+/// A tile that may be announced in this round.
 struct Entry {
   std::pair<int, double> rank;  // changed first, then near
   TileKey key;
@@ -20,8 +20,9 @@ bool by_rank(const Entry& a, const Entry& b) {
   return std::tie(a.rank, a.key) < std::tie(b.rank, b.key);
 }
 
-/// Leaves `max_tiles` of the round: half are the changed and the near, half the others in turn, from behind `turn` on,
-/// so that every tile is announced sometime. Only what is chosen is sorted. Returns the last in turn.
+/// Limits the round to `max_tiles` tiles: half are the changed and the nearest ones, half are others in turn, beginning
+/// after `turn`, so that every tile is announced at some time. Only the selected tiles are sorted. Returns the last
+/// tile in turn.
 TileKey limit_round(std::size_t max_tiles, TileKey turn, std::vector<Entry>& round) {
   const auto in_turn = [turn](const Entry& a, const Entry& b) {
     return std::pair(a.key <= turn, a.key) < std::pair(b.key <= turn, b.key);
@@ -37,7 +38,7 @@ TileKey limit_round(std::size_t max_tiles, TileKey turn, std::vector<Entry>& rou
   return last;
 }
 
-/// The round in pages, one even when it is empty. `head`: what all pages have in common.
+/// Divides the round into pages; at least one, even if it is empty. `head`: the fields that all pages share.
 std::vector<tile_index_t> to_pages(const std::vector<Entry>& round, const tile_index_t& head) {
   constexpr std::size_t kPerPage = TileCatalog::kTilesPerPage;
   std::vector<tile_index_t> pages(std::max<std::size_t>(1, (round.size() + kPerPage - 1) / kPerPage), head);

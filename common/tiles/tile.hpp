@@ -8,7 +8,7 @@
 
 namespace curbstone {
 
-/// The plane of the map frame is cut into squares of 3.0 m = 25 x 25 cells of 0.12 m (the paper's resolution).
+/// The plane of the map frame is divided into squares of 3.0 m = 25 x 25 cells of 0.12 m (the paper's resolution).
 inline constexpr double kTileSize = 3.0;        ///< m
 inline constexpr int kCellsPerTile = 25;        ///< along one side
 inline constexpr double kCellSize = 0.12;       ///< m
@@ -32,7 +32,7 @@ struct TileKeyHash {
   }
 };
 
-/// The tile that holds (x, y), in m in map. Nothing when a coordinate is not finite or off the end of int32.
+/// The tile that holds (x, y), in m in map. Nothing if a coordinate is not finite or exceeds the range of int32.
 [[nodiscard]] inline std::optional<TileKey> tile_at(double x, double y) {
   const double tx = std::floor(x / kTileSize);
   const double ty = std::floor(y / kTileSize);
@@ -41,15 +41,15 @@ struct TileKeyHash {
   return TileKey{static_cast<std::int32_t>(tx), static_cast<std::int32_t>(ty)};
 }
 
-/// The squared distance from a tile's middle to (x, y), in m in map; m^2.
+/// The squared distance from a tile's centre to (x, y), in m in map; m^2.
 [[nodiscard]] inline double squared_distance(TileKey key, double x, double y) {
   const double dx = (key.x + 0.5) * kTileSize - x;
   const double dy = (key.y + 0.5) * kTileSize - y;
   return dx * dx + dy * dy;
 }
 
-/// A point inside a tile, in units of kPositionStep from the tile's corner and its z_origin. Points of the map exist in
-/// this form only. So every process computes on exactly the same numbers.
+/// A point inside a tile, in units of kPositionStep from the tile's corner and its z_origin. Map points exist in this
+/// form only, so every process computes on exactly the same numbers.
 struct TilePoint {
   std::int16_t x = 0;  ///< 0 .. kStepsPerTile - 1
   std::int16_t y = 0;
@@ -58,12 +58,12 @@ struct TilePoint {
   bool operator==(const TilePoint&) const = default;
 };
 
-/// The points of a tile are sent as a list of records that only grows. A point is taken out by a record with the same y
+/// The points of a tile are sent as a list of records that only grows. A point is removed by a record with the same y
 /// and z and x' = -1 - x. No two points of a tile are at the same place.
 [[nodiscard]] constexpr bool is_removal(const TilePoint& record) {
   return record.x < 0;
 }
-/// The record that takes a point out; of such a record, the point.
+/// The record that removes a point; given such a record, the point.
 [[nodiscard]] constexpr TilePoint removal_of(const TilePoint& point) {
   return {static_cast<std::int16_t>(-1 - point.x), point.y, point.z, point.intensity};
 }

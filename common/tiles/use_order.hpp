@@ -9,8 +9,8 @@
 
 namespace curbstone {
 
-/// Which tiles nobody has used for longest. Times in any unit, as long as they grow; of several uses at one time the
-/// first counts.
+/// Tiles in the order of their last use. Times in any unit, as long as they grow; of several uses at the same time only
+/// the first counts.
 class UseOrder {
  public:
   void used(TileKey key, std::int64_t now) {
@@ -20,7 +20,7 @@ class UseOrder {
     turn = {++turn_, now};
     uses_.emplace_hint(uses_.end(), turn.number, key);
   }
-  /// The tile that was used least lately, if that was before `since`; it is in the order no more.
+  /// Takes the least recently used tile out of the order, if its last use was before `since`.
   std::optional<TileKey> take_unused(std::int64_t since) {
     if (uses_.empty()) return std::nullopt;
     const TileKey key = uses_.begin()->second;
@@ -43,7 +43,7 @@ class UseOrder {
     std::int64_t number = 0;
     std::int64_t at = 0;
   };
-  std::map<std::int64_t, TileKey> uses_;  // by turn: the oldest first
+  std::map<std::int64_t, TileKey> uses_;  // by time of use: the oldest first
   std::unordered_map<TileKey, Turn, TileKeyHash> turns_;
   std::int64_t turn_ = 0;
 };

@@ -9,10 +9,10 @@
 
 namespace curbstone {
 
-/// Stamp minus arrival of a driver's samples, second by second: that of the least delayed sample of each. It is about
-/// zero, and not less than minus what the device and its line take. Beyond kMost the stamps are of another clock than
-/// the host's is now: the host's was set, and ClockOffset follows within seconds; or nothing came punctually for a
-/// whole second. Pure; all times in us.
+/// Stamp minus arrival time of a driver's samples, second by second: that of the least delayed sample of each second.
+/// It is about zero, and at least minus the latency of the device and its line. Beyond kMost either the stamps are of a
+/// clock other than the host's present one (the host's clock was set, and ClockOffset follows within seconds), or no
+/// sample arrived punctually for a whole second. Pure; all times in us.
 class ArrivalGap {
  public:
   static constexpr std::int64_t kMost = 50'000;       ///< us; more is a fault
@@ -27,9 +27,9 @@ class ArrivalGap {
     best_ = std::max(best_.value_or(std::numeric_limits<std::int64_t>::min()), stamp - received);
   }
 
-  /// Of the last second with samples that is over; nothing before.
+  /// The value of the last complete second with samples; nothing before the first one.
   [[nodiscard]] std::optional<std::int64_t> difference() const { return difference_; }
-  /// In words, while the difference is larger than it should be.
+  /// A fault in words while the difference is too large.
   [[nodiscard]] std::optional<std::string> fault() const {
     if (!difference_ || std::abs(*difference_) <= kMost) return std::nullopt;
     return "stamps lie " + std::to_string(-*difference_ / 1000) +

@@ -8,7 +8,7 @@ namespace curbstone {
 /// set.
 [[nodiscard]] std::int64_t wall_clock();
 
-/// us since an arbitrary start; it never jumps. For timeouts and pacing in shells.
+/// us since an arbitrary start; never jumps. For time-outs and pacing in shells.
 [[nodiscard]] std::int64_t steady_clock();
 
 }  // namespace curbstone

@@ -8,12 +8,12 @@
 namespace curbstone {
 
 /// Converts a device's stamps to the host's clock. A device stamp has no jitter, but an unknown offset and some drift.
-/// The time of receipt is on the host's clock, but late by a delay that varies and is never negative. So the smallest
-/// (receipt - stamp) of the last `window` us belongs to the least delayed sample, and is the offset.
+/// The receipt time is on the host's clock, but late by a delay that varies and is never negative. Therefore the
+/// smallest (receipt - stamp) of the last `window` us belongs to the least delayed sample, and is the offset.
 ///
-/// Drift: an oscillator that is slow by 50 ppm is followed within 50 ppm * window (0.25 ms), a fast one at once. While
-/// the first samples come, the offset may still fall. Results may then step back by as much as those samples were late.
-/// A function of its inputs alone. All times in us.
+/// Drift: an oscillator that is slow by 50 ppm is followed within 50 ppm * window (0.25 ms), a fast one at once. During
+/// the first samples the offset may still fall; results may then step back by the delay of those samples. The result is
+/// a function of the inputs alone. All times in us.
 class ClockOffset {
  public:
   explicit ClockOffset(std::int64_t window = 5'000'000, std::int64_t jump = 1'000'000)
@@ -38,7 +38,7 @@ class ClockOffset {
     return stamp + this->offset();
   }
 
-  /// How often the device's clock stepped by more than `jump` us. Each time the offset is found anew.
+  /// How often the device's clock stepped by more than `jump` us. After each step the offset is estimated anew.
   [[nodiscard]] std::int64_t jumps() const { return jumps_; }
 
   /// What is added to the device's stamps, us. Before the first sample: the largest int64.

@@ -6,17 +6,16 @@
 
 namespace curbstone {
 
-/// Whether the host's clock was set. The wall clock, by which measurements are stamped, is compared with the steady
-/// one: the difference of the two changes slowly while the clock is slewed, and at once when it is set (or when the
-/// host slept). Pure; all times in us. To be fed once a second or
-/// more often.
+/// Detects that the host's clock was set. It compares the wall clock, which stamps the measurements, with the steady
+/// clock: their difference changes slowly while the clock is slewed, and at once when the clock is set or the host has
+/// slept. Pure; all times in us. Call read() once a second or more often.
 class ClockStep {
  public:
   static constexpr std::int64_t kLeast = 50'000;           ///< us between two readings; less is no step
-  static constexpr std::int64_t kRemembered = 60'000'000;  ///< us that a step is reported
+  static constexpr std::int64_t kRemembered = 60'000'000;  ///< us for which a step is reported
 
-  /// The wall clock, and the steady one before and after it was read: in between the process may have had to wait. A
-  /// reading that took longer than kWorst is not used.
+  /// The wall clock, and the steady clock before and after it was read: the process may have had to wait in between. A
+  /// reading that took longer than kWorst is discarded.
   void read(std::int64_t steady_before, std::int64_t wall, std::int64_t steady_after) {
     if (steady_after - steady_before > kWorst) return;
     const std::int64_t difference = wall - steady_after;
@@ -29,7 +28,7 @@ class ClockStep {
     now_ = steady_after;
   }
 
-  /// By how much the clock was set last, if that was less than kRemembered before the last reading. Positive: forward.
+  /// The size of the last step, if it was less than kRemembered before the last reading. Positive: forward.
   [[nodiscard]] std::optional<std::int64_t> recent() const {
     if (steps_ == 0 || now_ - stepped_ >= kRemembered) return std::nullopt;
     return step_;
@@ -40,9 +39,9 @@ class ClockStep {
   static constexpr std::int64_t kWorst = 10'000;
   std::optional<std::int64_t> difference_;  // wall minus steady clock
   std::int64_t steps_ = 0;
-  std::int64_t step_ = 0;     // the last one
-  std::int64_t stepped_ = 0;  // when, by the steady clock
-  std::int64_t now_ = 0;      // of the last reading
+  std::int64_t step_ = 0;     // the last step
+  std::int64_t stepped_ = 0;  // its time by the steady clock
+  std::int64_t now_ = 0;      // time of the last reading
 };
 
 }  // namespace curbstone

@@ -5,8 +5,9 @@
 
 namespace curbstone {
 
-/// A duration of a configuration, in s, as a number of whole us: the nearest one, halves away from zero. Truncation
-/// would make 0.251 s one microsecond short in one of seventy milliseconds, for most decimals are not exact in binary.
+/// A configured duration in s as a whole number of us: the nearest one, halves away from zero. Most decimals are not
+/// exact in binary: truncation would make one in seventy of the whole milliseconds, 0.251 s for example, one
+/// microsecond short.
 [[nodiscard]] inline std::int64_t microseconds(double seconds) {
   return std::llround(seconds * 1e6);
 }

@@ -6,7 +6,7 @@
 
 namespace curbstone {
 
-/// Whether something happens again and again: `count` times within `within` us. Pure; times in us on one clock.
+/// Whether an event repeats: `count` times within `within` us. Pure; times in us on one clock.
 class RecentTimes {
  public:
   RecentTimes(std::size_t count, std::int64_t within) : count_(count), within_(within) {}

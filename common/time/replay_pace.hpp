@@ -5,17 +5,17 @@
 
 namespace curbstone {
 
-/// When the items of a recording are due, so that they come spaced as they were recorded. A step of their times that is
-/// longer than kLongest, or leads back, is a damaged time, a clock that was set or a pause: nobody waits for it. All
-/// times in us.
+/// Paces the items of a recording so that they are spaced as they were recorded. A step of the recorded times that is
+/// longer than kLongest, or that leads back, is a damaged time, a clock that was set, or a pause, and is skipped
+/// without waiting. All times in us.
 class ReplayPace {
  public:
   static constexpr std::int64_t kLongest = 10'000'000;
 
-  /// `rate` times as fast as recorded; 0: at once.
+  /// `rate` times as fast as recorded; 0: without pacing.
   explicit ReplayPace(double rate) : rate_(rate) {}
 
-  /// Whether the item recorded at `recorded`, which comes next, is due at `now` on a steady clock. The first one is.
+  /// Whether the next item, recorded at `recorded`, is due at `now` on a steady clock. The first one is due at once.
   [[nodiscard]] bool due(std::int64_t recorded, std::int64_t now) {
     if (!began_) began_ = now;
     if (asked_ != recorded) {
@@ -29,8 +29,8 @@ class ReplayPace {
  private:
   double rate_;
   std::optional<std::int64_t> began_;
-  std::optional<std::int64_t> asked_;  // recorded time of the item that was asked for last
-  std::int64_t at_ = 0;                // after the first one, without the steps that nobody waits for
+  std::optional<std::int64_t> asked_;  // recorded time of the last item asked for
+  std::int64_t at_ = 0;                // recorded time since the first item, without the skipped steps
 };
 
 }  // namespace curbstone

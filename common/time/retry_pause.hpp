@@ -5,15 +5,15 @@
 
 namespace curbstone {
 
-/// When a device that is not there is tried again: after 0.1 s, and twice as long after each failure, up to 0.5 s: a
-/// failed open() costs nothing, and a vehicle that starts waits for its devices. Times in us of the steady clock, which
-/// the caller reads.
+/// Back-off for a device that is missing: the first retry after 0.1 s, then twice as long after each failure, up to 0.5
+/// s. The maximum is short because a failed open() costs nothing and a starting vehicle waits for its devices. Times in
+/// us of the steady clock, which the caller reads.
 class RetryPause {
  public:
   static constexpr std::int64_t kFirst = 100'000;
   static constexpr std::int64_t kLast = 500'000;
 
-  /// It has gone, after it was there.
+  /// The device has gone after it was present.
   void lost(std::int64_t now) {
     next_ = kFirst;
     failed(now);

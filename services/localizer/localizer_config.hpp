@@ -11,8 +11,8 @@
 namespace curbstone::localizer {
 
 enum class Method {
-  kGaussNewton,  ///< tracks, knows when it is lost, searches the whole map
-  kMonteCarlo,   ///< its peer: AMCL, from a start
+  kGaussNewton,  ///< tracks, detects when it is lost, searches the whole map
+  kMonteCarlo,   ///< AMCL for comparison; needs a start pose
 };
 
 /// The `localizer:` section of a vehicle's file.

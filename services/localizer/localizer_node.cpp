@@ -20,12 +20,12 @@ namespace curbstone::localizer {
 namespace {
 
 constexpr std::size_t kMaxPending = 80;  // revolutions that wait for odometry; 20 Hz: 4 s
-constexpr double kSteadyFor = 0.5;       // s that a motion is taken to go on without odometry
-constexpr double kMostSpeed = 40.0;      // m/s: odometry that claims more has begun again
+constexpr double kSteadyFor = 0.5;       // s for which the last motion is assumed to continue without odometry
+constexpr double kMostSpeed = 40.0;      // m/s: faster odometry has started anew
 constexpr double kMostTurn = 6.0;        // rad/s
 constexpr double kStartTilt = 0.02;      // rad, 1 sigma of roll and pitch at the start
 constexpr double kStartHeight = 0.15;    // m
-constexpr double kUnknown = 1000.0;      // m and rad, 1 sigma of what nothing is known of
+constexpr double kUnknown = 1000.0;      // m and rad, 1 sigma of an unknown pose
 
 }  // namespace
 
@@ -43,7 +43,7 @@ LocalizerNode::LocalizerNode(const LocalizerConfig& config, Publisher& bus)
     throw semantic_map::store::MapStoreError(config_.map + ": holds no tiles to find the vehicle by");
 }
 
-/// At the start a damaged map is refused. Later the drive goes on without the tile.
+/// At the start a damaged map is refused. Later, the localizer continues without the tile.
 std::optional<semantic_map::tile::MapTile> LocalizerNode::read(TileKey key) const {
   try {
     return file_.tile(key);
@@ -67,7 +67,7 @@ void LocalizerNode::on(const lidar_points_t& message) {
 }
 
 void LocalizerNode::on(const odometry_t& message) {
-  // What odometry errs by is configured: a filter's own figures are not needed.
+  // The error of odometry is configured: the filter's own covariance is not needed.
   const auto& known = message.pose_covariance;
   if (!std::all_of(std::begin(known), std::end(known), [](float v) { return std::isfinite(v); }))
     counters_.add("odometry.no_covariance");
@@ -120,7 +120,7 @@ void LocalizerNode::process(const mapper::scan::Scan& scan) {
   publish(scan, answer(fit), motion.with_odometry);
 }
 
-/// In the whole map. What is found there must prove itself as any start must.
+/// Searches the whole map. A pose found this way must fit like any start before it is trusted.
 void LocalizerNode::seek(const mapper::scan::Scan& scan, const std::vector<Eigen::Vector3d>& points,
                          const tracking::Motion& motion) {
   const auto found = finder_.look(points, odometry_.at(scan.end), motion, *map_);
@@ -130,7 +130,7 @@ void LocalizerNode::seek(const mapper::scan::Scan& scan, const std::vector<Eigen
   finder_.restart();
 }
 
-/// At the place that the configuration names, if it does, on the map's ground, leaning as odometry does.
+/// Starts at the configured pose, if there is one, on the map's ground, with roll and pitch from odometry.
 void LocalizerNode::begin(const mapper::scan::Scan& scan) {
   begun_ = true;
   last_end_ = scan.end;
@@ -150,7 +150,8 @@ std::unique_ptr<tracking::PoseTracker> LocalizerNode::tracker_from(const trackin
   return std::make_unique<tracking::Tracker>(start, config_.tracking);
 }
 
-/// By odometry from end to end where it spans; else the motion before goes on for a little while.
+/// The motion from end to end by odometry where it covers the interval; otherwise the previous motion continues for a
+/// short time.
 tracking::Motion LocalizerNode::motion_to(const mapper::scan::Scan& scan) {
   tracking::Motion motion;
   motion.seconds = mapper::scan::seconds(last_end_, scan.end);
@@ -174,7 +175,7 @@ tracking::Motion LocalizerNode::motion_to(const mapper::scan::Scan& scan) {
   return motion;
 }
 
-/// What is tracked; before that, the best of what may be.
+/// The tracked pose; without a tracker, the best hypothesis.
 LocalizerNode::Answer LocalizerNode::answer(const tracking::PoseFit& fit) const {
   if (tracker_) return {tracker_->belief().T_map_base, tracker_->published_covariance(), fit};
   Answer guess;

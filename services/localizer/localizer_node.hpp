@@ -18,15 +18,15 @@
 
 namespace curbstone::localizer {
 
-/// LIDAR_POINTS and ODOMETRY in, LOCALIZED_POSE out: where base_link is in the saved map, at the end of each revolution
-/// (map_pose_t; its `map` is the saved map, its `epoch` that of the file). LOST: the pose is a guess. inlier_ratio: the
-/// share of points that lie where the map has them. A revolution is processed once odometry has come to its end, or
-/// when lidar time says that odometry is missing: the poses are a function of the two channels' sequences. While the
-/// vehicle is lost, and at the start if that is not configured, the whole map is searched. Nothing known yet: the pose
-/// is the map's origin, LOST, and so is its covariance.
+/// The localizer's node: LIDAR_POINTS and ODOMETRY in, LOCALIZED_POSE out. The pose is that of base_link in the saved
+/// map at the end of each revolution (map_pose_t; its `map` is the saved map, its `epoch` the epoch of the file). LOST:
+/// the pose is a guess. inlier_ratio: the share of points that match the map. A revolution is processed once odometry
+/// has reached its end, or once lidar time shows that odometry is missing: the poses are a function of the two
+/// channels' sequences. The whole map is searched while the vehicle is lost, and at the start if no start pose is
+/// configured. Before anything is known, the pose is the map's origin, marked LOST, with a covariance to match.
 class LocalizerNode final : public Node {
  public:
-  /// Throws MapStoreError if the map cannot be used, ConfigError if the start is no pose.
+  /// Throws MapStoreError if the map cannot be used, ConfigError if the start is not a valid pose.
   LocalizerNode(const LocalizerConfig& config, Publisher& bus);
 
   void connect(Subscriber& bus) override;
@@ -57,19 +57,19 @@ class LocalizerNode final : public Node {
   LocalizerConfig config_;
   Publisher& bus_;
   semantic_map::store::MapReader file_;
-  bool is_checked_ = false;  // each of its tiles was read once
+  bool is_checked_ = false;  // every tile was read once
   std::optional<fields::SavedMap> map_;
   std::int32_t epoch_ = 0;  // of the map
   mapper::scan::ScanAssembler assembler_;
   mapper::scan::OdometryHistory odometry_;
   tracking::ScanThinner thinner_;
-  std::unique_ptr<tracking::PoseTracker> tracker_;  // once there is a place to begin at
+  std::unique_ptr<tracking::PoseTracker> tracker_;  // null until there is a start pose
   search::Finder finder_;
-  bool begun_ = false;  // with the first revolution with odometry
+  bool begun_ = false;  // since the first revolution with odometry
   std::deque<mapper::scan::Scan> pending_;
   std::int64_t lidar_time_ = 0;  // us, newest LIDAR_POINTS
-  std::int64_t last_end_ = 0;    // us, of the last revolution processed
-  mapper::scan::Twist twist_;    // over the last two of them
+  std::int64_t last_end_ = 0;    // us, end of the last revolution processed
+  mapper::scan::Twist twist_;    // over the last two revolutions
   LatencyWindow latency_;
   Counters counters_;
 };

@@ -9,14 +9,15 @@
 
 namespace curbstone::recorder {
 
-/// The newest CONFIG of each process, so that each file of a session begins with how the vehicle is configured.
+/// The newest CONFIG of each process. Each file of a session begins with them, so that it documents the vehicle's
+/// configuration.
 class ConfigMemory {
  public:
-  /// Takes a CONFIG. Returns whether it says something new. Any bytes may come.
+  /// Takes an encoded CONFIG; accepts any bytes. Returns whether its content is new.
   bool take(const void* data, int size);
-  /// Writes them all, with this time as the records' time, us.
+  /// Writes all of them with `utime` as the records' time, us.
   void write(LogWriter& log, std::int64_t utime) const;
-  /// A vehicle's file: the section of each process, with version and host in comments.
+  /// A vehicle's configuration file: the section of each process, with version and host in comments.
   [[nodiscard]] std::string yaml() const;
 
  private:
@@ -24,7 +25,7 @@ class ConfigMemory {
     std::string section, yaml, version, host;
     std::vector<std::uint8_t> bytes;
   };
-  static constexpr std::size_t kMost = 200;  // processes; more are not the vehicle's
+  static constexpr std::size_t kMost = 200;  // processes; a vehicle does not have more
   std::map<std::string, Known> by_service_;
 };
 

@@ -49,7 +49,7 @@ std::vector<fs::path> deletable_sessions(const fs::path& folder, const fs::path&
     if (it->is_symlink(ignored) || !it->is_directory(ignored) || fs::equivalent(path, current, ignored)) continue;
     if (is_named_as_session(path) && holds_only_a_recording(path) && !is_written_now(path)) sessions.push_back(path);
   }
-  std::sort(sessions.begin(), sessions.end());  // their names are their times
+  std::sort(sessions.begin(), sessions.end());  // names are times
   return sessions;
 }
 

@@ -18,7 +18,7 @@ struct RecorderConfig {
   std::string skip = "VOTED_POINTS";
   std::string large_channels;
 
-  /// The names in large_channels.
+  /// The items of large_channels.
   [[nodiscard]] std::vector<std::string> large() const {
     std::vector<std::string> names;
     std::istringstream list(large_channels);

@@ -14,16 +14,16 @@
 namespace curbstone::recorder {
 
 /// Writes everything on the bus to an LCM log, as lcm-logger does. lcm-logger keeps LCM's queue of 30 messages, and
-/// loses what arrives while it is not scheduled for 30 ms. This one uses the bus's receiver thread and a longer queue,
-/// and counts what it loses. A full disk is a fault in SERVICE_STATUS; it goes on in a new file when there is room
-/// again. Each file begins with the CONFIG of all processes that have been heard.
+/// loses what arrives while it is not scheduled for 30 ms. RecorderNode uses the bus's receiver thread and a longer
+/// queue, and counts its losses. A full disk is a fault in SERVICE_STATUS; recording continues in a new file when there
+/// is room again. Each file begins with the CONFIG of every process that has been heard.
 class RecorderNode final : public Node {
  public:
-  /// `now`: us, names the session. Throws std::runtime_error when the file cannot be written.
+  /// `now`: us, determines the session's name. Throws std::runtime_error when the file cannot be written.
   RecorderNode(const RecorderConfig& config, Tappable& bus, std::int64_t now);
 
   void connect(Subscriber&) override {}
-  /// Hands what was written to the kernel, once a second. `now`: us.
+  /// Passes the written data to the kernel, once a second. `now`: us.
   void tick(std::int64_t now) override;
   void finish() override;
   [[nodiscard]] NodeReport report() const override;
@@ -40,8 +40,8 @@ class RecorderNode final : public Node {
   FreeSpace space_;
   ConfigMemory configs_;
   std::optional<Recording> recording_;  // none while the disk is full
-  std::int64_t waiting_ = 0;            // messages that are not known to be on file
-  std::int64_t last_ = 0;               // us, flushed or tried
+  std::int64_t waiting_ = 0;            // messages not yet known to be on file
+  std::int64_t last_ = 0;               // us, last flush or attempt
   NodeReport report_;
 };
 

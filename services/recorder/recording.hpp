@@ -9,21 +9,22 @@
 
 namespace curbstone::recorder {
 
-/// A recording in one file or several. It never overwrites a file. Each file is a log that lcm-logplayer reads. One
+/// A recording in one or several files. It never overwrites a file. Each file is a log that lcm-logplayer reads. One
 /// thread.
 class Recording {
  public:
-  using NextName = std::function<std::string()>;  ///< of a file that is not there
+  using NextName = std::function<std::string()>;  ///< name of a file that does not exist
   using Head = std::function<void(LogWriter&, std::int64_t utime)>;
 
-  /// `head` writes what each file begins with, at the time of its first record. `split` bytes, 0: never. Opens the
+  /// `head` writes the beginning of each file, at the time of its first record. `split`: bytes, 0: never. Opens the
   /// first file. Throws std::runtime_error with one clear line.
   Recording(NextName next_name, std::int64_t split, Head head = {});
 
-  /// `utime`: us since the Unix epoch, the time of the record. Throws std::runtime_error when the disk is full. The
-  /// file then ends in a torn message, and the recording is over. A file that holds no whole message is removed.
+  /// Writes a record. `utime`: us since the Unix epoch, the time of the record. Throws std::runtime_error when the disk
+  /// is full. The file then ends in a torn message, and the recording is over. A file without a whole message is
+  /// removed.
   void write(const std::string& channel, const void* data, int size, std::int64_t utime);
-  /// Hands what was written to the kernel, so that it survives the process. Throws as write() does.
+  /// Passes the written data to the kernel, so that it survives the process. Throws as write() does.
   void flush();
 
  private:
@@ -38,7 +39,7 @@ class Recording {
   std::optional<LogWriter> log_;
 };
 
-/// FILE, or if that exists FILE.1, FILE.2 and so on.
+/// FILE, or if it exists FILE.1, FILE.2 and so on.
 [[nodiscard]] std::string unused_name(const std::string& file);
 
 }  // namespace curbstone::recorder

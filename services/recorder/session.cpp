@@ -40,7 +40,7 @@ Session::Session(const fs::path& folder, std::int64_t utime) {
 Session::~Session() {
   if (lock_ >= 0) close(lock_);
   std::error_code ignored;
-  fs::remove(path_, ignored);  // only if nothing is in it
+  fs::remove(path_, ignored);  // only if it is empty
 }
 
 std::string Session::next_log() const {

@@ -6,11 +6,11 @@
 
 namespace curbstone::recorder {
 
-/// The folder of one recording, FOLDER/2026-11-23T205200Z: drive-000.lcmlog and so on, and config.yaml. As long as this
-/// object lives the folder is locked (flock), so that no other recorder deletes it.
+/// The folder of one recording, FOLDER/2026-11-23T205200Z, with drive-000.lcmlog and so on, and config.yaml. While this
+/// object exists the folder is locked (flock), so that no other recorder deletes it.
 class Session {
  public:
-  /// Makes the folder and those above it; if there is one of this second, with -2 behind its name. Throws
+  /// Creates the folder and its parents; if a folder of this second exists, adds -2 to the name. Throws
   /// std::runtime_error with one clear line. `utime`: us since the Unix epoch.
   Session(const std::filesystem::path& folder, std::int64_t utime);
   ~Session();
@@ -18,9 +18,9 @@ class Session {
   Session& operator=(const Session&) = delete;
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// The first log that is not there yet.
+  /// The name of the first log that does not exist yet.
   [[nodiscard]] std::string next_log() const;
-  /// Replaces config.yaml, whole or not at all. What cannot be written is left out: the log holds it too.
+  /// Replaces config.yaml atomically. A failure is ignored: the log contains the configuration too.
   void write_config(const std::string& yaml) const;
 
  private:

@@ -25,7 +25,7 @@ namespace {
 
 BusSender::BusSender(const BusAddress& address) : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
   if (fd_ < 0) fail_sender("socket");
-  // Not connected: from a socket with a source address multicast leaves by that address's interface, not by the route.
+  // Not connected: from a socket with a source address, multicast leaves by that address's interface, not by the route.
   group_.sin_family = AF_INET;
   group_.sin_port = htons(static_cast<std::uint16_t>(address.port));
   inet_pton(AF_INET, address.group.c_str(), &group_.sin_addr);

@@ -11,7 +11,7 @@
 namespace curbstone::relay {
 
 /// Sends messages to the bus as single datagrams of LCM's wire format (LCM 1.3.1, `lcm_udpm.c`), from a port of its
-/// own: by it a relay tells what it has sent itself from what the others on the host send. One thread.
+/// own. By this port a relay distinguishes its own messages from those of other processes on the host. One thread.
 class BusSender {
  public:
   /// Throws std::system_error with the kernel's reason.
@@ -20,9 +20,9 @@ class BusSender {
   BusSender(const BusSender&) = delete;
   BusSender& operator=(const BusSender&) = delete;
 
-  /// UDP port that the messages come from.
+  /// UDP source port of the messages.
   [[nodiscard]] std::uint16_t port() const { return port_; }
-  /// False when the kernel does not take it.
+  /// Returns false if the kernel does not accept the datagram.
   bool send(std::string_view channel, std::span<const std::uint8_t> data);
 
  private:

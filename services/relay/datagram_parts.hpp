@@ -9,8 +9,8 @@
 
 namespace curbstone::relay {
 
-/// A datagram for sendmsg(), without a copy: its header, then a message as on the bus: channel, 0, data. What they
-/// point to has to outlive the call.
+/// A datagram for sendmsg(), without a copy: its header, then a message as on the bus: channel, 0, data. The parts
+/// point into the arguments, which must outlive the call.
 inline std::array<iovec, 4> datagram_parts(std::span<const std::uint8_t> header, std::string_view channel,
                                            std::span<const std::uint8_t> data) {
   static constexpr char kEnd = 0;

@@ -18,8 +18,8 @@ namespace curbstone::relay {
 namespace {
 
 constexpr std::size_t kLongestDatagram = 65'536;
-constexpr int kSocketBuffer = 1 << 22;  // bytes: a revolution's tiles at once; the kernel grants net.core.[rw]mem_max
-constexpr int kAtOnce = 64;             // datagrams, so that the bus gets its turn
+constexpr int kSocketBuffer = 1 << 22;  // bytes: a revolution's tiles at once; limited by net.core.[rw]mem_max
+constexpr int kAtOnce = 64;             // datagrams, after which the bus is served
 
 std::string to_text(const sockaddr_in& address) {
   std::array<char, INET_ADDRSTRLEN> text{};
@@ -92,7 +92,7 @@ PeerLinks::Peer* PeerLinks::find(const sockaddr_in& address) {
   return it == peers_.end() ? nullptr : &*it;
 }
 
-/// A gap is a loss until the datagram comes late.
+/// Counts a gap as a loss; a datagram that arrives late takes its loss back.
 void PeerLinks::note_number(Peer& peer, const Frame& frame, std::int64_t now) {
   const bool goes_on = peer.last_heard && peer.run == frame.run;
   peer.last_heard = now;

@@ -15,7 +15,7 @@ struct RelayConfig {
   VehicleConfig vehicle;
   std::string peers;   ///< "192.168.2.1, 192.168.2.2:7721"
   int port = 7720;     ///< UDP
-  std::string except;  ///< channels, with commas between
+  std::string except;  ///< channels, separated by commas
 
   void visit(ConfigVisitor& v) {
     v.section("vehicle", vehicle, "the vehicle");
@@ -26,9 +26,9 @@ struct RelayConfig {
   }
 };
 
-/// The words between commas, without spaces.
+/// The items of a comma-separated list, without spaces.
 [[nodiscard]] std::vector<std::string> split_list(const std::string& list);
-/// Throws std::invalid_argument, naming what is no IPv4 address with a port, or that there is none.
+/// Throws std::invalid_argument that names an item that is not an IPv4 address with a port, or if there is no item.
 [[nodiscard]] std::vector<sockaddr_in> peer_addresses(const RelayConfig& config);
 
 }  // namespace curbstone::relay

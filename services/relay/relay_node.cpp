@@ -7,7 +7,7 @@ namespace curbstone::relay {
 namespace {
 
 constexpr std::int64_t kSecond = 1'000'000;     // us
-constexpr std::int64_t kSilence = 3 * kSecond;  // three signs of life
+constexpr std::int64_t kSilence = 3 * kSecond;  // three heartbeats
 
 }  // namespace
 
@@ -19,7 +19,7 @@ RelayNode::RelayNode(const RelayConfig& config, const BusAddress& bus, std::uint
 
 void RelayNode::carry_out() {
   bus_.receive([this](const BusSocket::Message& message) {
-    if (message.port == sender_.port()) return;  // it came from a peer: what goes on in circles never ends
+    if (message.port == sender_.port()) return;  // it came from a peer: forwarding it would create a loop
     if (except_.contains(message.channel)) return;
     peers_.send(message.channel, message.bytes);
     counters_.add("messages_out");

@@ -13,12 +13,12 @@
 
 namespace curbstone::relay {
 
-/// Joins the bus of this host with those of others. Who runs it watches two sockets: when bus_fd() is readable it calls
-/// carry_out(), when peers_fd() is, carry_in().
+/// Connects the bus of this host with those of other hosts. The caller watches two sockets: it calls carry_out() when
+/// bus_fd() is readable, and carry_in() when peers_fd() is readable.
 class RelayNode final : public Node {
  public:
-  /// `run`: another one at each start and on each host. Throws std::invalid_argument for a configuration that names no
-  /// peers, std::runtime_error with one clear line when the bus or the port cannot be had.
+  /// `run`: differs at each start and on each host. Throws std::invalid_argument for a configuration without peers,
+  /// std::runtime_error with one clear line if the bus or the port is not available.
   RelayNode(const RelayConfig& config, const BusAddress& bus, std::uint64_t run);
 
   void connect(Subscriber& bus) override { (void)bus; }  // it hears all channels, by a socket of its own
@@ -27,9 +27,9 @@ class RelayNode final : public Node {
 
   [[nodiscard]] int bus_fd() const { return bus_.fd(); }
   [[nodiscard]] int peers_fd() const { return peers_.fd(); }
-  /// What was said on this host, to the peers.
+  /// Sends this host's messages to the peers.
   void carry_out();
-  /// What peers have sent, to this host's bus.
+  /// Publishes the peers' messages on this host's bus.
   void carry_in(std::int64_t now);
 
  private:

@@ -12,13 +12,13 @@ using semantic_map::tile::Around;
 using semantic_map::tile::CellClass;
 using semantic_map::tile::MapTile;
 
-constexpr int kPatch = 2;            // cells either way that tell how an upright piece runs: 0.6 m square
-constexpr int kMinHits = 2;          // of the dense map: the inside of a vehicle's outline was not seen
-constexpr int kMostHits = 20;        // a tall wall is where it is no better than a low one
-constexpr float kLineShare = 0.15F;  // minor over major spread of a line
+constexpr int kPatch = 2;      // cells in each direction that determine the direction of an upright piece: 0.6 m square
+constexpr int kMinHits = 2;    // of the dense map: the inside of a vehicle's outline was never seen
+constexpr int kMostHits = 20;  // more hits do not make the position of a tall wall more certain
+constexpr float kLineShare = 0.15F;  // minor over major spread of a line, at most
 constexpr int kMargin = FieldTile::kReach + kPatch;
 
-/// A cell of the tile or of one about it.
+/// A cell of the tile or of a neighbouring tile.
 class CellAround {
  public:
   CellAround(const Around<MapTile>& tiles, int column, int row) {

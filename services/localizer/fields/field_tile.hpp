@@ -11,21 +11,21 @@
 
 namespace curbstone::localizer::fields {
 
-/// A piece of something upright, as the cells about it show it: where it is to a fraction of a cell, and which way it
-/// faces. What is no line (a pole, a corner) has no normal.
+/// A piece of an upright structure, estimated from the cells around it: its position at sub-cell resolution and its
+/// normal. A structure that is not a line in plan (a pole, a corner) has no normal.
 struct Upright {
   Eigen::Vector2f centre = Eigen::Vector2f::Zero();  ///< m from the tile's corner
-  Eigen::Vector2f normal = Eigen::Vector2f::Zero();  ///< unit; zero: no line
+  Eigen::Vector2f normal = Eigen::Vector2f::Zero();  ///< unit; zero: not a line
   [[nodiscard]] bool is_line() const { return !normal.isZero(); }
 };
 
-/// What a tile of the saved map says to a LiDAR: heights of the ground to interpolate between, and for each place the
-/// nearest piece of what stands upright.
+/// A tile of the saved map, prepared for registration of LiDAR points: ground heights to interpolate between, and for
+/// each cell the nearest piece of an upright structure.
 struct FieldTile {
   static constexpr int kSide = kCellsPerTile + 2;  ///< with one cell of each neighbour
-  static constexpr int kReach = 5;                 ///< cells: what stands farther away is not asked for
+  static constexpr int kReach = 5;                 ///< cells: structures farther away are ignored
 
-  /// m in map, at the cells' middles: (column, row) = (-1, -1) first; NaN: no ground was seen
+  /// m in map, at the cells' centres: (column, row) = (-1, -1) first; NaN: no ground was seen
   std::array<float, std::size_t{kSide} * kSide> height{};
   float level = 0;  ///< m in map, median of the heights; NaN: none
   std::array<std::uint16_t, semantic_map::tile::kCellsInTile> nearest{};  ///< 1 + index of uprights; 0: none in reach
@@ -37,11 +37,11 @@ struct FieldTile {
   }
 };
 
-/// Whether a cell of the map shows ground with its height; how often something upright was seen there, 0: nothing is.
+/// Whether a cell of the map shows ground with its height. The number of hits on upright structures in a cell; 0: none.
 [[nodiscard]] bool shows_ground(const semantic_map::tile::MapTile& tile, std::size_t cell);
 [[nodiscard]] int upright_hits(const semantic_map::tile::MapTile& tile, std::size_t cell);
 
-/// Pure. The centre tile must be there.
+/// Makes the field of the centre tile, which must exist. Pure.
 [[nodiscard]] FieldTile make_field_tile(const semantic_map::tile::Around<semantic_map::tile::MapTile>& tiles);
 
 }  // namespace curbstone::localizer::fields

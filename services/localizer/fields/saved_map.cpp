@@ -9,12 +9,13 @@
 namespace curbstone::localizer::fields {
 namespace {
 
-/// m from a tile's corner.
+/// The corner of a tile, m in map.
 Eigen::Vector2d corner_of(TileKey key) {
   return kTileSize * Eigen::Vector2d(key.x, key.y);
 }
 
-/// Cells from a tile's corner. This is asked for ten thousand times a revolution: no division, no call of floor().
+/// A position in cells from a tile's corner. It is computed ten thousand times a revolution: no division, no call of
+/// floor().
 struct Place {
   Place(TileKey key, double x, double y)
       : column((x - kTileSize * key.x) * kCellsPerMetre), row((y - kTileSize * key.y) * kCellsPerMetre) {}
@@ -70,7 +71,7 @@ const TilePlan* SavedMap::plan(TileKey key) const {
   return there == plans_.end() ? nullptr : &there->second;
 }
 
-/// Null where the map has none.
+/// Null if the map has no such tile.
 const semantic_map::tile::MapTile* SavedMap::tile(TileKey key) {
   if (!plans_.contains(key)) return nullptr;
   auto kept = tiles_.find(key);
@@ -81,7 +82,7 @@ const semantic_map::tile::MapTile* SavedMap::tile(TileKey key) {
   return kept->second ? &*kept->second : nullptr;
 }
 
-/// What is far from the tile goes first; when that is not enough, all goes.
+/// Evicts what is far from the tile; if that is not enough, evicts everything.
 void SavedMap::make_room(TileKey about) {
   const auto is_far = [&](const auto& entry) {
     constexpr auto kTiles = static_cast<std::int64_t>(kWindow / kTileSize);
@@ -107,7 +108,7 @@ const FieldTile* SavedMap::field_of(TileKey key) {
   return field;
 }
 
-/// Null where the map has no such tile.
+/// Null if the map has no such tile.
 const FieldTile* SavedMap::make_field(TileKey key) {
   if (!plans_.contains(key)) return nullptr;
   if (tiles_.size() + 9 > kMostKept || fields_.size() >= kMostKept) make_room(key);
@@ -124,7 +125,7 @@ std::optional<SavedMap::Ground> SavedMap::ground_at(double x, double y) {
   const FieldTile* field = key ? field_of(*key) : nullptr;
   if (field == nullptr) return std::nullopt;
   const Place place(*key, x, y);
-  const double from_column = place.column - 0.5, from_row = place.row - 0.5;  // from the first cell's middle
+  const double from_column = place.column - 0.5, from_row = place.row - 0.5;  // from the first cell's centre
   const int column = std::clamp(static_cast<int>(from_column + 1) - 1, -1, kCellsPerTile - 1);
   const int row = std::clamp(static_cast<int>(from_row + 1) - 1, -1, kCellsPerTile - 1);
   const double u = from_column - column, v = from_row - row;

@@ -13,27 +13,28 @@
 
 namespace curbstone::localizer::fields {
 
-/// What of a tile the search of the whole map looks at; kept of each tile, 160 bytes.
+/// The part of a tile that the search of the whole map uses; kept for each tile, 160 bytes.
 struct TilePlan {
-  std::bitset<semantic_map::tile::kCellsInTile> standing;  ///< something upright is in the cell
-  std::bitset<semantic_map::tile::kCellsInTile> ground;    ///< ground with its height is
+  std::bitset<semantic_map::tile::kCellsInTile> standing;  ///< the cell holds an upright structure
+  std::bitset<semantic_map::tile::kCellsInTile> ground;    ///< the cell shows ground with its height
 };
 
-/// A tile of the map, from where it is kept: nothing if it is gone or cannot be read.
+/// Reads a tile of the map from storage; returns nothing if the tile is missing or cannot be read.
 using TileSource = std::function<std::optional<semantic_map::tile::MapTile>(TileKey)>;
 
-/// The saved map as the localizer looks at it, in m in that map. Tiles are read, and fields made, when they are first
-/// asked for; those about the place asked for last are kept, within a bound. What is said is a function of the tiles
-/// alone. One thread.
+/// The saved map as the localizer uses it, in m in that map. Tiles are read, and fields made, when they are first
+/// needed. A bounded number of those around the latest query is kept. Results are a function of the tiles alone. One
+/// thread.
 class SavedMap {
  public:
-  /// Tiles, and as many fields: at most 90 MB; a dozen places of a search.
+  /// Bound on tiles, and on fields: at most 90 MB together; enough for a dozen places of a search.
   static constexpr std::size_t kMostKept = 8000;
-  static constexpr double kWindow = 75.0;  ///< m, about the place asked for: what is farther makes room
+  static constexpr double kWindow = 75.0;  ///< m around the latest query: tiles farther away are evicted first
 
-  /// Reads each tile once, for its plan. What a source throws comes through here; later it must not throw.
+  /// Reads each tile once, for its plan. An exception of `source` propagates from this call; later `source` must not
+  /// throw.
   SavedMap(const std::vector<TileKey>& keys, TileSource source);
-  /// All in memory.
+  /// A map that is entirely in memory.
   explicit SavedMap(const std::vector<semantic_map::tile::MapTile>& tiles);
 
   struct Ground {
@@ -41,20 +42,20 @@ class SavedMap {
     Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< of the height over x and y
     bool by_curb = false;                             ///< the map has a curb within 0.6 m
   };
-  /// Between four cells that all show ground; else nothing.
+  /// The ground between four cells that all show ground; nothing elsewhere.
   [[nodiscard]] std::optional<Ground> ground_at(double x, double y);
-  /// About how high the ground is, from the tile as a whole. NaN where the map shows none.
+  /// The approximate ground height, from the tile as a whole. NaN where the map shows no ground.
   [[nodiscard]] double level_at(double x, double y);
 
   struct UprightThere {
     Eigen::Vector2d centre = Eigen::Vector2d::Zero();
-    Eigen::Vector2d normal = Eigen::Vector2d::Zero();  ///< zero: no line
+    Eigen::Vector2d normal = Eigen::Vector2d::Zero();  ///< zero: not a line
   };
-  /// The nearest within 0.6 m, about.
+  /// The nearest upright structure within about 0.6 m.
   [[nodiscard]] std::optional<UprightThere> upright_at(double x, double y);
   [[nodiscard]] std::size_t num_tiles() const { return plans_.size(); }
   [[nodiscard]] std::vector<TileKey> keys() const;  ///< in order
-  /// Null where the map has none.
+  /// The plan of a tile; null if the map has no such tile.
   [[nodiscard]] const TilePlan* plan(TileKey key) const;
   [[nodiscard]] std::size_t kept() const { return std::max(tiles_.size(), fields_.size()); }  ///< tiles or fields
   [[nodiscard]] std::size_t unreadable() const { return unreadable_; }  ///< times that a tile was gone when asked for
@@ -69,11 +70,11 @@ class SavedMap {
 
   TileSource source_;
   std::unordered_map<TileKey, TilePlan, TileKeyHash> plans_;
-  std::unordered_map<TileKey, Tile, TileKeyHash> tiles_;  // nothing: it could not be read
+  std::unordered_map<TileKey, Tile, TileKeyHash> tiles_;  // nothing: the tile could not be read
   std::size_t unreadable_ = 0;
   std::unordered_map<TileKey, std::unique_ptr<const FieldTile>, TileKeyHash> fields_;
-  // Of each place modulo kAround tiles, the field that was asked for last: a revolution asks for the same few hundred
-  // again and again, in no order.
+  // For each tile position modulo kAround, the field used last: a revolution queries the same few hundred fields
+  // repeatedly, in no particular order.
   static constexpr int kAround = 32;
   struct Asked {
     std::optional<TileKey> key;

@@ -9,13 +9,13 @@
 namespace curbstone::localizer::monte_carlo {
 namespace {
 
-constexpr double kLeastUpright = 0.4;  // m above the map's ground: a point on something upright,
+constexpr double kLeastUpright = 0.4;  // m above the map's ground: a point on an upright structure,
 constexpr double kMostUpright = 1.9;   // m
-constexpr double kFar = 0.6;           // m: as far as the map's fields say what is nearest
+constexpr double kFar = 0.6;           // m: maximum distance of the nearest structure in the map's fields
 constexpr double kBucket = 0.5;        // m
 constexpr double kBucketYaw = 0.175;   // rad
 constexpr double kHeightSigma = 0.05;  // m, and
-constexpr double kTiltSigma = 0.01;    // rad: of what a filter in the plane does not estimate
+constexpr double kTiltSigma = 0.01;    // rad: of quantities that a filter in the plane does not estimate
 
 std::uint64_t hashed(std::uint64_t x) {  // splitmix64
   x += 0x9e3779b97f4a7c15ULL;
@@ -24,7 +24,7 @@ std::uint64_t hashed(std::uint64_t x) {  // splitmix64
   return x ^ (x >> 31);
 }
 
-/// m from the nearest piece that stands upright.
+/// Distance from the nearest piece of an upright structure, m.
 double distance_at(double x, double y, fields::SavedMap& map) {
   const auto there = map.upright_at(x, y);
   if (!there) return kFar;
@@ -94,7 +94,7 @@ void ParticleFilter::move(const Pose& motion) {
 }
 
 void ParticleFilter::weigh(const std::vector<Eigen::Vector3d>& points, fields::SavedMap& map) {
-  std::vector<Eigen::Vector2d> upright;  // levelled, in base_link's plane
+  std::vector<Eigen::Vector2d> upright;  // levelled, in the plane of base_link
   const Eigen::Vector3d rpy = roll_pitch_yaw(belief_.T_map_base.linear());
   const Eigen::Matrix3d lean = rotation_from_rpy(rpy.x(), rpy.y(), 0);
   for (const Eigen::Vector3d& p : points) {
@@ -113,7 +113,7 @@ void ParticleFilter::weigh(const std::vector<Eigen::Vector3d>& points, fields::S
       const double d = distance_at(particle.x + c * p.x() - s * p.y(), particle.y + s * p.x() + c * p.y(), map);
       const double likelihood =
           config_.z_hit * std::exp(-0.5 * d * d / (config_.sigma_hit * config_.sigma_hit)) + config_.z_rand;
-      weight += likelihood * likelihood * likelihood;  // as AMCL does: its product starves the filter
+      weight += likelihood * likelihood * likelihood;  // as AMCL does: a product would deplete the particles
     }
     particle.weight *= weight;
     sum += particle.weight;
@@ -121,7 +121,8 @@ void ParticleFilter::weigh(const std::vector<Eigen::Vector3d>& points, fields::S
   for (Particle& particle : particles_) particle.weight /= sum;
 }
 
-/// So many that, with that certainty, they differ little from the distribution they are drawn from.
+/// The number of particles that, with the configured certainty, differ little from the distribution they are drawn
+/// from.
 std::size_t ParticleFilter::wanted() const {
   const auto bucket = [](double v, double width) { return static_cast<std::int64_t>(std::floor(v / width)); };
   std::set<std::tuple<std::int64_t, std::int64_t, std::int64_t>> buckets;
@@ -171,7 +172,7 @@ void ParticleFilter::summarise(fields::SavedMap& map) {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) belief_.covariance(kRows[i], kRows[j]) = spread(i, j);
   }
-  belief_.covariance += 1e-9 * tracking::Matrix6::Identity();  // all of one particle
+  belief_.covariance += 1e-9 * tracking::Matrix6::Identity();  // never singular, even for identical particles
 }
 
 }  // namespace curbstone::localizer::monte_carlo

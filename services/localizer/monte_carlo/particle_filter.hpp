@@ -8,9 +8,9 @@
 
 namespace curbstone::localizer::monte_carlo {
 
-/// Adaptive Monte Carlo localisation in the plane, as AMCL has it: odometry motion model, likelihood field of what
-/// stands upright, KLD-adaptive number of particles, low-variance resampling (Thrun, Burgard, Fox, Probabilistic
-/// Robotics, tables 5.6, 6.3, 8.4, 4.4). It is the peer of the tracker, not its equal: it does not know when it is
+/// Adaptive Monte Carlo localisation in the plane, as in AMCL: odometry motion model, likelihood field of upright
+/// structures, KLD-adaptive number of particles, low-variance resampling (Thrun, Burgard, Fox, Probabilistic Robotics,
+/// tables 5.6, 6.3, 8.4, 4.4). It serves for comparison with the tracker and does less: it does not detect when it is
 /// lost. Random numbers are a function of seed, update and particle. One thread.
 class ParticleFilter final : public tracking::PoseTracker {
  public:
@@ -35,7 +35,7 @@ class ParticleFilter final : public tracking::PoseTracker {
   void resample();
   [[nodiscard]] std::size_t wanted() const;
   void summarise(fields::SavedMap& map);
-  /// Of this update, for one particle; standard normal.
+  /// A random number of this update for one particle; standard normal.
   [[nodiscard]] double normal(std::size_t particle, int draw) const;
   [[nodiscard]] double uniform(std::size_t particle, int draw) const;
 
@@ -43,7 +43,7 @@ class ParticleFilter final : public tracking::PoseTracker {
   tracking::TrackingConfig odometry_;
   std::vector<Particle> particles_;
   tracking::PoseBelief belief_;
-  Pose T_update_base_ = Pose::Identity();  // driven since the particles were moved
+  Pose T_update_base_ = Pose::Identity();  // motion since the particles were moved
   std::uint64_t update_ = 0;
 };
 

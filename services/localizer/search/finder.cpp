@@ -6,12 +6,13 @@ namespace curbstone::localizer::search {
 namespace {
 
 constexpr std::size_t kLeastRevolutions = 10;  // of a local scan,
-constexpr double kLeastCollected = 3.0;        // m: what one place hides, another shows
-constexpr std::size_t kLeastPlaces = 20;       // of a plan, that tell one place from another
+constexpr double kLeastCollected = 3.0;        // m: structures hidden from one place are visible from another
+constexpr std::size_t kLeastPlaces = 20;       // of a plan, to tell one place from another
 constexpr std::int64_t kLookups = 10'000'000;  // of a search in one revolution: some 10 ms
 constexpr double kMostDriven = 30.0;           // m with several hypotheses; then the map is searched again
 
-/// At a candidate for where the anchor was, moved on since; on the map's ground, leaning as odometry does.
+/// The belief for a candidate at the anchor, moved on by odometry since; on the map's ground, with roll and pitch from
+/// odometry.
 tracking::PoseBelief belief_at(const Candidate& candidate, const Pose& T_odom_anchor, const Pose& T_odom_base,
                                fields::SavedMap& map) {
   const double turned = candidate.yaw - roll_pitch_yaw(T_odom_anchor.linear()).z();

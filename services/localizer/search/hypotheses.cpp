@@ -6,11 +6,11 @@
 namespace curbstone::localizer::search {
 namespace {
 
-constexpr double kNewest = 0.1;       // weight of a revolution in what the last ones show
+constexpr double kNewest = 0.1;       // weight of the newest revolution in the averages
 constexpr int kBeforeDropped = 5;     // revolutions: a fit takes a few to settle
-constexpr double kRivals = 0.12;      // score: so far behind the best, it is not where the vehicle is
+constexpr double kRivals = 0.12;      // score: a hypothesis this far behind the best is dropped
 constexpr double kSamePlace = 0.5;    // m
-constexpr double kLeastDriven = 3.0;  // m: a place must fit from several of its places
+constexpr double kLeastDriven = 3.0;  // m: a pose must fit from several places
 constexpr double kHolds = 0.65;       // matched share
 
 }  // namespace

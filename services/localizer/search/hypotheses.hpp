@@ -7,29 +7,30 @@
 
 namespace curbstone::localizer::search {
 
-/// A place where the vehicle may be, driven on.
+/// A possible pose of the vehicle, tracked from revolution to revolution.
 struct Hypothesis {
   tracking::PoseBelief belief;
   tracking::PoseFit fit;     ///< of the last revolution
-  double matched_share = 0;  ///< as of PoseFit, over the last revolutions
-  double score = 0;          ///< 0..1: what it explains of all that any hypothesis explains, over the last revolutions
+  double matched_share = 0;  ///< as in PoseFit, averaged over the last revolutions
+  double score = 0;  ///< 0..1: what it explains of everything that any hypothesis explains, over the last revolutions
 };
 
-/// What search brought, driven on revolution by revolution until one place holds and no other does. Pure; one thread.
+/// The poses that a search found, tracked revolution by revolution until exactly one holds. Pure; one thread.
 class Hypotheses {
  public:
   explicit Hypotheses(const tracking::TrackingConfig& config) : config_(config) {}
 
   void begin(std::vector<tracking::PoseBelief> beliefs);
-  /// `points`: thinned, in base_link at the revolution's end.
+  /// Moves all hypotheses by `motion` and fits each to the revolution. `points`: thinned, in base_link at its end.
   void drive_on(const std::vector<Eigen::Vector3d>& points, const tracking::Motion& motion, fields::SavedMap& map);
 
-  /// Best first.
+  /// The remaining hypotheses, best first.
   [[nodiscard]] const std::vector<Hypothesis>& alive() const { return alive_; }
   [[nodiscard]] double driven() const { return driven_; }  ///< m since begin()
-  /// The first of those alive is where the vehicle is: it fitted well over some metres, and no other came near.
+  /// The only remaining hypothesis is the vehicle's pose: it fitted well over some metres, and every other one was
+  /// dropped.
   [[nodiscard]] bool one_holds() const;
-  /// Several held over those metres.
+  /// Several hypotheses remain after those metres.
   [[nodiscard]] bool several_hold() const;
 
  private:

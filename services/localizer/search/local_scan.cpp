@@ -8,13 +8,13 @@
 namespace curbstone::localizer::search {
 namespace {
 
-constexpr double kLeastUpright = 0.4;  // m above the lowest about it,
-constexpr double kMostUpright = 1.9;   // m: as high as the map's classes look
-constexpr double kSquare = 1.0;        // m, in which the lowest point is ground
+constexpr double kLeastUpright = 0.4;  // m above the lowest point around it,
+constexpr double kMostUpright = 1.9;   // m: the upper limit of the map's classes
+constexpr double kSquare = 1.0;        // m, in which the lowest point is taken as ground
 constexpr double kThin = 0.5;          // m
 constexpr int kLeastPoints = 2;        // in a square of kThin
 
-/// A square lattice about the origin.
+/// A square lattice around the origin.
 class SquareLattice {
  public:
   SquareLattice(double reach, double cell) : cell_(cell), half_(static_cast<int>(std::ceil(reach / cell)) + 1) {}
@@ -29,7 +29,7 @@ class SquareLattice {
   int half_;
 };
 
-/// The lowest of each square and the eight about it.
+/// The lowest point of each square and its eight neighbours.
 std::vector<double> lowest_about(const std::vector<Eigen::Vector3d>& points, const SquareLattice& lattice) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   std::vector<double> own(lattice.size(), kNone), all(lattice.size(), kNone);
@@ -45,7 +45,7 @@ std::vector<double> lowest_about(const std::vector<Eigen::Vector3d>& points, con
   return all;
 }
 
-/// Every so many that `most` are left, spread over all.
+/// Keeps every n-th place so that at most `most` remain, evenly distributed.
 std::vector<Eigen::Vector2d> at_most(std::vector<Eigen::Vector2d> plan, std::size_t most) {
   if (plan.size() <= most) return plan;
   std::vector<Eigen::Vector2d> kept;

@@ -7,22 +7,22 @@
 
 namespace curbstone::localizer::search {
 
-/// Some revolutions joined by odometry: what stands about the vehicle, denser and from more sides than one revolution
-/// shows it. One thread; bounded.
+/// Several revolutions joined by odometry: the upright structures around the vehicle, denser and seen from more sides
+/// than in one revolution. One thread; bounded.
 class LocalScan {
  public:
   static constexpr std::size_t kMostRevolutions = 60;
 
-  /// `points`: thinned, in base_link. T_odom_base: odom is level.
+  /// Adds a revolution. `points`: thinned, in base_link. T_odom_base: the odom frame is level.
   void add(const std::vector<Eigen::Vector3d>& points, const Pose& T_odom_base);
   void clear();
 
-  /// Where something stands, from above: m from `T_odom_base`, x along the vehicle, within `reach`, one place in a
-  /// square of 0.5 m, at most `most` of them.
+  /// The positions of upright structures in plan: m from `T_odom_base`, x along the vehicle, within `reach`, one
+  /// position in each square of 0.5 m, at most `most` of them.
   [[nodiscard]] std::vector<Eigen::Vector2d> plan(const Pose& T_odom_base, double reach, std::size_t most) const;
 
   [[nodiscard]] std::size_t revolutions() const { return revolutions_; }
-  /// From the first revolution to the last, along the way; m.
+  /// Length of the path from the first revolution to the last; m.
   [[nodiscard]] double driven() const { return driven_; }
 
  private:

@@ -7,14 +7,14 @@
 namespace curbstone::localizer::search {
 namespace {
 
-constexpr int kTurns = 320;  // 0.02 rad apart: half of it moves what is 30 m off by 0.3 m
+constexpr int kTurns = 320;  // 0.02 rad apart: half of that moves a point at 30 m by 0.3 m
 constexpr int kTop = SearchRegion::kLevels - 1;
-constexpr double kLeast = 0.5;                          // score: so badly no plan fits where it was taken
-constexpr double kBehind = 0.2;                         // score: so far behind the best, nothing rivals it
-constexpr double kMatchesApart = 1.5;                   // m, between candidates that are not the same
+constexpr double kLeast = 0.5;                          // score: the plan fits better than this at its true place
+constexpr double kBehind = 0.2;                         // score: a candidate this far behind the best is no rival
+constexpr double kMatchesApart = 1.5;                   // m, between distinct candidates
 constexpr double kMatchesTurned = 0.1;                  // rad
-constexpr std::int64_t kLookupsInRegion = 120'000'000;  // a bound on time: what is left of the region is not looked at
-constexpr std::int64_t kLookupsToBuild = 10'000'000;    // a region's lattices take as long
+constexpr std::int64_t kLookupsInRegion = 120'000'000;  // a bound on time: the rest of the region is skipped
+constexpr std::int64_t kLookupsToBuild = 10'000'000;    // a region's lattices take as long as this many look-ups
 
 double yaw_of(int turn) {
   return turn * (2 * std::numbers::pi / kTurns);
@@ -77,7 +77,7 @@ void MapSearch::leave_region() {
   region_.reset();
 }
 
-/// The coarsest level's next row of branches, at one turn.
+/// Adds the next row of branches of the coarsest level, at one heading.
 void MapSearch::push_row() {
   for (int x = 0; x < SearchRegion::wide(); x += 1 << kTop) push(kTop, next_turn_, x, next_row_);
   next_turn_ = (next_turn_ + 1) % kTurns;
@@ -93,7 +93,7 @@ void MapSearch::push(int level, int turn, int x, int y) {
   constexpr std::ptrdiff_t kAtOnce = 16;
   const std::uint8_t* values = region_->upright(level, x, y);
   const std::vector<std::int32_t>& offsets = offsets_[static_cast<std::size_t>(turn)];
-  // Dropped as soon as too much is missing.
+  // The branch is dropped as soon as too much is missing.
   int may_miss = full_ - least();
   auto offset = offsets.begin();
   while (offset != offsets.end() && may_miss >= 0) {
@@ -120,7 +120,7 @@ void MapSearch::follow(const Branch& branch) {
   }
 }
 
-/// Whether all that the branch may lead to is as good as found.
+/// Whether every pose that the branch may lead to is close to a known candidate.
 bool MapSearch::covered(const Branch& branch) const {
   const int last = (1 << branch.level) - 1;
   const Eigen::Vector2d low = region_->middle(branch.x, branch.y);

@@ -10,32 +10,33 @@
 
 namespace curbstone::localizer::search {
 
-/// Where the vehicle may be.
+/// A possible pose of the vehicle.
 struct Candidate {
   double x = 0, y = 0, yaw = 0;  ///< of base_link in map; m, rad
-  double score = 0;              ///< 0..1: how well what stands about the vehicle falls on what does there
+  double score = 0;              ///< 0..1: how well the plan falls on the map's upright structures
 };
 
-/// The whole map searched for the poses from which a plan falls best on what stands upright: branch and bound over
-/// shifts, for each of the turns, region by region. It is done in pieces, so that a vehicle may do one a revolution.
-/// What comes of it does not depend on the pieces' size. Deterministic; bounded; one thread.
+/// Searches the whole map for the poses from which a plan falls best on upright structures: branch and bound over
+/// shifts, for each heading, region by region. The search is divided into pieces, so that a vehicle can do one piece a
+/// revolution. The result does not depend on the pieces' size. Deterministic; bounded; one thread.
 class MapSearch {
  public:
   static constexpr std::size_t kMostPlaces = 140;  ///< of a plan
   static constexpr std::size_t kMostCandidates = 12;
 
-  /// `plan`: m from the vehicle, x along it; within SearchRegion::kSight, at most kMostPlaces. The map outlives this.
+  /// `plan`: m from the vehicle, x along it; within SearchRegion::kSight, at most kMostPlaces. The map must outlive
+  /// this object.
   MapSearch(const std::vector<Eigen::Vector2d>& plan, const fields::SavedMap& map);
 
-  /// Goes on until some so many places of the plan were looked up. False: it is done.
+  /// Continues the search for about `lookups` look-ups of plan positions. Returns false when the search is done.
   bool go_on(std::int64_t lookups);
   [[nodiscard]] bool done() const { return next_region_ >= regions_.size() && !region_; }
-  /// Best first; none is another's neighbour, none scores far less than the best.
+  /// The candidates, best first. No two are neighbours, and none scores far less than the best.
   [[nodiscard]] std::vector<Candidate> candidates() const;
   [[nodiscard]] std::int64_t lookups() const { return lookups_; }
 
  private:
-  /// A set of shifts at one turn: (x, y) cells of the region and what follows up to 2^level - 1 further.
+  /// A set of shifts at one heading: cells (x, y) of the region to (x, y) + 2^level - 1.
   struct Branch {
     int sum, level, turn, x, y;
     [[nodiscard]] auto order() const { return std::tuple(sum, -level, -turn, -y, -x); }
@@ -51,15 +52,15 @@ class MapSearch {
   [[nodiscard]] int least() const;
 
   const fields::SavedMap& map_;
-  std::vector<std::vector<std::int32_t>> offsets_;  // cells from the vehicle's, of the plan, by turn
+  std::vector<std::vector<std::int32_t>> offsets_;  // the plan in cells from the vehicle's cell, by heading
   int full_ = 0;                                    // the sum of a plan that fits everywhere
   std::vector<TileKey> regions_;
   std::size_t next_region_ = 0;
   std::optional<SearchRegion> region_;
-  int next_row_ = 0, next_turn_ = 0;  // of the region's coarsest level, not looked at yet
+  int next_row_ = 0, next_turn_ = 0;  // next of the region's coarsest level to visit
   std::priority_queue<Branch> queue_;
-  std::vector<Candidate> here_;   // in this region
-  std::vector<Candidate> found_;  // in those before
+  std::vector<Candidate> here_;   // of this region
+  std::vector<Candidate> found_;  // of earlier regions
   double best_ = 0;
   std::int64_t lookups_ = 0, lookups_here_ = 0;
 };

@@ -10,8 +10,8 @@ namespace {
 using Lattice = std::vector<std::uint8_t>;
 
 constexpr int kSide = SearchRegion::side();
-constexpr int kBlur = 2;         // cells about a place
-constexpr double kSigma = 0.25;  // m: half a step of the search, and how well a thinned scan tells where a wall is
+constexpr int kBlur = 2;         // cells around a place
+constexpr double kSigma = 0.25;  // m: half a step of the search, and the accuracy of a wall in a thinned scan
 constexpr int kBell = 2 * kBlur + 1;
 
 std::array<std::uint8_t, kBell * kBell> bell() {
@@ -44,7 +44,7 @@ Lattice blurred(const Lattice& standing) {
   return out;
 }
 
-/// The larger of each cell and the one `step` further on, first along rows, then along columns.
+/// The maximum of each cell and the one `step` further, first along rows, then along columns.
 Lattice coarser(const Lattice& fine, int step) {
   Lattice rows(fine), out(fine.size());
   constexpr auto n = static_cast<std::size_t>(kSide);
@@ -69,7 +69,7 @@ std::vector<Lattice> pyramid(Lattice finest) {
   return levels;
 }
 
-/// Of each cell and the eight about it.
+/// The maximum of each cell and its eight neighbours.
 Lattice widened(const Lattice& road) {
   Lattice wider = coarser(coarser(road, 1), 1);
   std::rotate(wider.begin(), wider.end() - (kSide + 1), wider.end());
@@ -95,7 +95,7 @@ SearchRegion::SearchRegion(TileKey region, const fields::SavedMap& map)
     }
   }
   upright_ = pyramid(blurred(standing));
-  road_ = pyramid(widened(widened(road)));  // beside what the map shows as road a vehicle may be too
+  road_ = pyramid(widened(widened(road)));  // the vehicle may also be beside the mapped road
 }
 
 void SearchRegion::draw(TileKey tile, const fields::TilePlan& plan, Lattice& standing, Lattice& road) const {

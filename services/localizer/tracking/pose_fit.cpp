@@ -9,21 +9,21 @@ namespace curbstone::localizer::tracking {
 namespace {
 
 constexpr int kMostIterations = 5;
-constexpr double kDone = 1e-3;        // m or rad of a step: what is left of the next is far less
+constexpr double kDone = 1e-3;        // m or rad of a step: the next step is far smaller
 constexpr double kNearlyDone = 3e-3;  // m or rad
-constexpr std::size_t kCoarsely = 3;  // of so many points one, before all
+constexpr std::size_t kCoarsely = 3;  // one of this many points is used, before all are
 constexpr std::size_t kEnoughPoints = 600;
-constexpr double kGroundBand = 0.22;          // m about the map's ground: a point of it
-constexpr double kLeastUpright = 0.4;         // m above it: a point on something upright,
-constexpr double kMostUpright = 1.9;          // m: as high as the map's classes look
+constexpr double kGroundBand = 0.22;          // m from the map's ground: a ground point
+constexpr double kLeastUpright = 0.4;         // m above it: a point on an upright structure,
+constexpr double kMostUpright = 1.9;          // m: the upper limit of the map's classes
 constexpr double kLevel = 0.1;                // slope between cells
 constexpr double kGroundMatched = 0.06;       // m
 constexpr double kWallMatched = 0.10;         // m
-constexpr int kFewPoints = 40;                // of either kind: says nothing of whether the map fits
+constexpr int kFewPoints = 40;                // of either kind: too few to tell whether the map fits
 constexpr double kObservablePosition = 0.10;  // m, 1 sigma by the revolution alone, below which an axis is observable
 constexpr double kObservableRotation = 0.01;  // rad
 
-/// What the points say about the pose: their part of the normal equations.
+/// The contribution of the points to the normal equations.
 struct NormalSums {
   Matrix6 information = Matrix6::Zero();
   Vector6 gradient = Vector6::Zero();
@@ -66,7 +66,7 @@ class PointSums {
   void add_ground(const Eigen::Vector3d& p, const fields::SavedMap::Ground& ground, double above) {
     ++counts.grounds;
     if (std::abs(above) < kGroundMatched) count_match(counts.grounds_matched, above);
-    // Without its slope, level ground still says how the vehicle stands, which walls cannot.
+    // Level ground, even with its slope ignored, determines roll and pitch, which walls cannot.
     const bool tells = config_.heights == Heights::kAll || (config_.heights == Heights::kCurbs && ground.by_curb);
     if (!tells && ground.slope.norm() > kLevel) return;
     const Eigen::Vector2d slope = tells ? ground.slope : Eigen::Vector2d::Zero();
@@ -104,7 +104,7 @@ class PointSums {
   const TrackingConfig& config_;
 };
 
-/// The axes of base_link along which the revolution alone does not constrain the pose: bit i, axis i.
+/// The axes of base_link along which the revolution alone does not constrain the pose: bit i for axis i.
 int unobservable_axes(const Matrix6& information, const Eigen::Matrix3d& R) {
   Matrix6 to_base = Matrix6::Identity();
   to_base.topLeftCorner<3, 3>() = R.transpose();
@@ -158,7 +158,7 @@ PoseFit fit_pose(const std::vector<Eigen::Vector3d>& points, const PoseBelief& p
     const Vector6 step = -Ldlt<6>(information).solve(gradient);
     pose = normalised(moved_by(pose, step));
     const double moved = step.cwiseAbs().maxCoeff();
-    if (every > 1) {  // the way there by some of the points, the last of it by all
+    if (every > 1) {  // first iterations with some of the points, the last ones with all
       if (moved < kNearlyDone || iteration + 1 >= kMostIterations) every = 1;
       continue;
     }

@@ -9,38 +9,40 @@
 
 namespace curbstone::localizer::tracking {
 
-/// Rows 0..2: position in map's axes, m; 3..5: rotation about base_link's X Y Z, rad. As in map_pose_t.
+/// Covariance of a pose. Rows 0..2: position in map's axes, m; 3..5: rotation about base_link's X Y Z, rad. As in
+/// map_pose_t.
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-/// A pose with what is known of its error.
+/// A pose and its covariance.
 struct PoseBelief {
   Pose T_map_base = Pose::Identity();
   Matrix6 covariance = Matrix6::Identity();
 };
 
-/// What a revolution says of the pose.
+/// The result of registering a revolution with the map.
 struct PoseFit {
-  PoseBelief belief;                      ///< prior and revolution together
-  Matrix6 information = Matrix6::Zero();  ///< of the revolution alone, were all its points independent
+  PoseBelief belief;                      ///< posterior: prior and revolution together
+  Matrix6 information = Matrix6::Zero();  ///< of the revolution alone, if all its points were independent
   int degenerate = 0;  ///< bit i: the revolution does not constrain axis i of base_link; see map_pose_t
   int iterations = 0;
-  double residual = 0;       ///< m, RMS of what lies where the map has it
-  int uprights = 0;          ///< points on something upright, where the map knows the ground about
-  int uprights_matched = 0;  ///< of them, with such a thing in the map at that place
-  int grounds = 0;           ///< points on the ground, where the map has it
-  int grounds_matched = 0;   ///< of them, at that height
+  double residual = 0;       ///< m, RMS over the points that match the map
+  int uprights = 0;          ///< points on upright structures, where the map knows the ground around them
+  int uprights_matched = 0;  ///< of them, those with an upright structure in the map at that place
+  int grounds = 0;           ///< points on the ground, where the map has ground
+  int grounds_matched = 0;   ///< of them, those at the map's height
 
   /// 0..1: the lesser of the two shares; 0 where hardly anything was seen.
   [[nodiscard]] double matched_share() const;
-  /// The same, but where hardly anything stands, that of the ground alone: a street without walls holds a pose that is
-  /// known, and finds none.
+  /// The same, but where hardly anything stands upright, the share of the ground alone: a street without walls can hold
+  /// a known pose, but not find an unknown one.
   [[nodiscard]] double held_share() const;
 };
 
-/// The pose that fits prior and revolution best: Gauss-Newton with a kernel that lets go of what does not fit (Geman,
-/// McClure). Ground: height over the map's. Upright: distance from the nearest upright piece, along its normal if it
-/// has one. `points`: thinned, in base_link. `new_share`: 0..1, how much of the revolution was not said before.
+/// Computes the pose that fits prior and revolution best: Gauss-Newton with a robust kernel for outliers
+/// (Geman-McClure). Residual of a ground point: its height over the map's ground. Residual of an upright point: its
+/// distance from the nearest upright piece, along the piece's normal if it has one. `points`: thinned, in base_link.
+/// `new_share`: 0..1, the share of the revolution's information that is independent of earlier revolutions.
 /// Deterministic.
 [[nodiscard]] PoseFit fit_pose(const std::vector<Eigen::Vector3d>& points, const PoseBelief& prior,
                                fields::SavedMap& map, const TrackingConfig& config, double new_share = 1);

@@ -5,8 +5,9 @@
 
 namespace curbstone::localizer::tracking {
 
-/// T_map_base of a vehicle of which only `x`, `y`, m, and `yaw`, rad, in map are known: on the map's ground (where it
-/// shows none there, at the level about it; else at 0), leaning as `R_odom_base` does, for odom is level.
+/// T_map_base of a vehicle of which only `x`, `y`, m, and `yaw`, rad, in map are known. Its height is that of the map's
+/// ground at that place; without ground there, the level around it; else 0. Roll and pitch are those of `R_odom_base`,
+/// because odom is level.
 [[nodiscard]] Pose pose_on_ground(double x, double y, double yaw, const Eigen::Matrix3d& R_odom_base,
                                   fields::SavedMap& map);
 

@@ -11,10 +11,10 @@ class PoseTracker {
  public:
   virtual ~PoseTracker() = default;
 
-  /// `points`: thinned, in base_link at the revolution's end.
+  /// Processes one revolution. `points`: thinned, in base_link at its end.
   virtual PoseFit track(const std::vector<Eigen::Vector3d>& points, const Motion& motion, fields::SavedMap& map) = 0;
   [[nodiscard]] virtual const PoseBelief& belief() const = 0;
-  /// With the error of the map itself.
+  /// The covariance of the pose including the error of the map itself.
   [[nodiscard]] virtual Matrix6 published_covariance() const = 0;
   [[nodiscard]] virtual bool lost() const = 0;
 };

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kBlindSpeed = 1.0;  // m/s, 1 sigma, by which a vehicle may differ from its steady motion
 constexpr double kBlindTurn = 0.3;   // rad/s
-constexpr double kMostSigma = 2.0;   // m: of a lost vehicle; a search from farther off finds another wall
+constexpr double kMostSigma = 2.0;   // m: of a lost vehicle; with a larger one a fit would match another wall
 constexpr double kMostYaw = 0.2;     // rad
 
 }  // namespace
@@ -30,7 +30,7 @@ PoseBelief predicted(const PoseBelief& belief, const Motion& motion, const Track
   }
   next.covariance.diagonal().head<3>().array() += position * position;
   next.covariance.diagonal().tail<3>().array() += rotation * rotation;
-  // A bound on what a lost vehicle may look like; and no more than this is a Gaussian good for.
+  // Bounds the range that a lost vehicle searches. Beyond it a Gaussian is not a valid approximation either.
   const double widest = std::sqrt(next.covariance.diagonal().head<3>().maxCoeff()) / kMostSigma;
   const double most_turned = std::sqrt(next.covariance.diagonal().tail<3>().maxCoeff()) / kMostYaw;
   const double excess = std::max(widest, most_turned);

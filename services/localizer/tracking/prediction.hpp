@@ -4,14 +4,14 @@
 
 namespace curbstone::localizer::tracking {
 
-/// What is known of the motion since the last revolution's end.
+/// The motion since the end of the last revolution.
 struct Motion {
   Pose T_last_base = Pose::Identity();
   bool with_odometry = true;
-  double seconds = 0;  ///< since that end
+  double seconds = 0;  ///< since the end of the last revolution
 };
 
-/// The belief taken on by the motion, and what odometry may err by added to its covariance, up to a bound.
+/// The belief moved by the motion. Odometry's error is added to its covariance, up to a bound.
 [[nodiscard]] PoseBelief predicted(const PoseBelief& belief, const Motion& motion, const TrackingConfig& config);
 
 }  // namespace curbstone::localizer::tracking

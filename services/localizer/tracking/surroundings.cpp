@@ -13,7 +13,7 @@ constexpr double kClearly = 0.05;  // share of points
 constexpr int kRows = 2 * kAcross + 1;
 constexpr int kPlaces = (2 * kAlong + 1) * kRows;
 
-/// Where place `i` lies from the vehicle, m in base_link.
+/// The position of place `i` relative to the vehicle, m in base_link.
 Eigen::Vector3d place(int i) {
   return {kSpacing * (i / kRows - kAlong), kSpacing * (i % kRows - kAcross), 0};
 }
@@ -26,9 +26,9 @@ PoseBelief prior_at(const Pose& pose, int i) {
   return prior;
 }
 
-/// Of two places, the one that explains more of what either sees, ground and upright alike: shares of 0..1. A place
-/// that hides what does not fit from the counts is no better for it. What does not tell the pose does not tell where it
-/// is better either.
+/// Compares two places by how much each explains of what either sees, ground and upright alike: shares of 0..1. A place
+/// gains nothing if points that do not fit there are left out of its counts. Points that do not constrain the pose are
+/// not compared either.
 struct Scores {
   double own, other;
 };
@@ -43,8 +43,8 @@ Scores scores(const PoseFit& own, const PoseFit& other, const TrackingConfig& co
   return {score(own), score(other)};
 }
 
-/// Whether the place lies from the pose along an axis in which its fit is degenerate, so that odometry alone put it
-/// there: how much it explains differs along such an axis by chance.
+/// Whether the place is displaced from the pose along an axis in which its fit is degenerate, so that only odometry
+/// determines it there: along such an axis the explained share varies by chance.
 bool lies_along_degenerate_axis(const PoseFit& own, const PoseFit& other) {
   const Pose& there = other.belief.T_map_base;
   const Eigen::Vector3d off = there.linear().transpose() * (there.translation() - own.belief.T_map_base.translation());
@@ -62,7 +62,7 @@ std::optional<PoseFit> Surroundings::better_than(const PoseFit& own, const std::
   for (int i = 0; i < count; ++i, next_ = (next_ + 1) % kPlaces) {
     seen_ = std::min(seen_ + 1, kPlaces);
     const PoseFit other = fit_pose(points, prior_at(own.belief.T_map_base, next_), map, config);
-    if (other.matched_share() == 0) continue;  // too little is seen there to tell
+    if (other.matched_share() == 0) continue;  // too little is seen there to decide
     const Scores against_own = scores(own, other, config);
     if (against_own.other <= against_own.own + kClearly || lies_along_degenerate_axis(own, other)) continue;
     if (best) {

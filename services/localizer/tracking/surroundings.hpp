@@ -7,17 +7,18 @@
 
 namespace curbstone::localizer::tracking {
 
-/// Looks whether a place within 3 m along and 1.5 m across the vehicle fits clearly better than the pose that is
-/// tracked. A street looks alike a metre on: its houses and curbs hold a wrong pose as they hold the right one, and
-/// only the comparison tells. The places are 0.7 m apart, which is what a fit reaches. Deterministic; one thread.
+/// Checks whether a place within 3 m along and 1.5 m across the vehicle fits clearly better than the tracked pose. A
+/// street looks similar a metre further on: its houses and curbs hold a wrong pose as well as the right one, and only
+/// the comparison tells them apart. The places are 0.7 m apart, which is the convergence range of a fit. Deterministic;
+/// one thread.
 class Surroundings {
  public:
-  /// The best of the next `count` places about `own`, in turn, if it fits clearly better.
+  /// Fits the next `count` places around `own`, in turn. Returns the best one if it fits clearly better than `own`.
   [[nodiscard]] std::optional<PoseFit> better_than(const PoseFit& own, const std::vector<Eigen::Vector3d>& points,
                                                    int count, fields::SavedMap& map, const TrackingConfig& config);
-  /// Whether each place was looked at since restart().
+  /// Whether every place was tried since restart().
   [[nodiscard]] bool all_seen() const;
-  /// Another pose is tracked from now on.
+  /// Call it when another pose is tracked.
   void restart() { seen_ = 0; }
 
  private:

@@ -8,7 +8,7 @@ namespace curbstone::localizer::tracking {
 namespace {
 
 constexpr int kSide = 2 * static_cast<int>(ScanThinner::kReach / kCellSize) + 1;
-constexpr float kBoxHeight = 0.25F;  // m; level ground lies in the middle of one
+constexpr float kBoxHeight = 0.25F;  // m; level ground lies in the middle of a box
 constexpr int kLowest = -6;          // boxes: 1.5 m below base_link
 constexpr int kLayers = 20;          // up to 3.4 m above it
 

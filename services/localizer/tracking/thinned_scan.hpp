@@ -8,14 +8,14 @@
 
 namespace curbstone::localizer::tracking {
 
-/// Thins revolutions to one point a box of 0.12 m square and 0.25 m height: the mean of what was seen in it, as a cell
-/// of the map is. One thread; keeps its memory.
+/// Thins revolutions to one point for each box of 0.12 m x 0.12 m x 0.25 m (height): the mean of its points, as in a
+/// cell of the map. One thread; keeps its memory.
 class ScanThinner {
  public:
   static constexpr double kReach = 30.0;  ///< m from base_link, in x and y
 
   ScanThinner();
-  /// `points`: de-skewed, in base_link. In the order in which the boxes were first met.
+  /// `points`: de-skewed, in base_link. Returns the means in the order in which their boxes were first hit.
   [[nodiscard]] std::vector<Eigen::Vector3d> thin(const std::vector<mapper::scan::LidarPoint>& points);
 
  private:
@@ -24,7 +24,7 @@ class ScanThinner {
     float count = 0;
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   };
-  std::vector<std::uint32_t> box_at_;  // index into boxes_, if that box is of this place
+  std::vector<std::uint32_t> box_at_;  // index into boxes_, valid if that box is of this place
   std::vector<Box> boxes_;
 };
 

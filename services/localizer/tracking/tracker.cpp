@@ -8,18 +8,18 @@
 namespace curbstone::localizer::tracking {
 namespace {
 
-constexpr double kBlindFor = 0.5;  // s: after that, where it is must be confirmed again
-constexpr int kFirstLooks = 3;     // at a place where it begins: all that they say is new
+constexpr double kBlindFor = 0.5;  // s without odometry: after that the pose must be confirmed again
+constexpr int kFirstLooks = 3;     // revolutions at a new place that count as independent
 constexpr double kNewStanding = 0.05;
-constexpr double kNewYaw = 0.02;    // rad, by which the points come to lie in other cells
-constexpr int kPlacesWhenLost = 5;  // looked at in a revolution,
-constexpr int kRevolutions = 4;     // or one place in so many
+constexpr double kNewYaw = 0.02;    // rad of turning, after which points lie in other cells
+constexpr int kPlacesWhenLost = 5;  // tried in a revolution,
+constexpr int kRevolutions = 4;     // or one place in this many revolutions
 
 }  // namespace
 
 void Tracker::judge(const PoseFit& fit) {
   const bool fits = fit.held_share() >= config_.min_match;
-  // On another town's map a street or two match by half.
+  // On the map of another town one or two streets match by half.
   const bool finds = lost_ ? fit.matched_share() >= std::max(config_.find_match, config_.min_match) : fits;
   fitting_ = finds ? fitting_ + 1 : 0;
   failing_ = fits ? 0 : failing_ + 1;
@@ -49,7 +49,7 @@ PoseFit Tracker::track(const std::vector<Eigen::Vector3d>& points, const Motion&
   }
   PoseFit fit = fit_pose(points, prior, map, config_, news_of(motion));
   const bool usable = is_finite(fit.belief.T_map_base) && fit.belief.covariance.allFinite();
-  // What does not fit has no information: the pose goes on with odometry, and is known worse and worse.
+  // A revolution that does not fit gives no information: the pose continues with odometry, and its covariance grows.
   const bool is_used = usable && (lost_ ? fit.matched_share() : fit.held_share()) >= config_.min_match;
   if (is_used) {
     belief_ = fit.belief;
@@ -75,16 +75,16 @@ void Tracker::look_around(const std::vector<Eigen::Vector3d>& points, PoseFit& f
   looks_ = 0;
 }
 
-/// The map is bent: what constrains the pose here also constrained the vehicle that made the map, and where that is
-/// little, the map drifted as that vehicle's odometry did. With half the information a map errs twice as much (in
-/// variance) at each place, and takes twice as far to be pulled back: hence the square. Looking on does not take it
-/// away: it is what all that is seen has in common.
+/// Includes the distortion of the map. The structures that constrain the pose here also constrained the vehicle that
+/// made the map. Where they are few, the map drifted as that vehicle's odometry did. With half the information a map
+/// has twice the error variance at each place, and needs twice the distance to be corrected: hence the square. Further
+/// measurements do not reduce this error, because all of them share it.
 Matrix6 Tracker::published_covariance() const {
   Vector6 drift;
   drift << Eigen::Vector3d::Constant(config_.map_drift_m), Eigen::Vector3d::Constant(config_.map_drift_rad);
   const Matrix6 held =
       Matrix6::Identity() + config_.map_independent * drift.asDiagonal() * information_ * drift.asDiagonal();
-  const Matrix6 left = inverse(held);  // 1: nothing constrains it, all of the drift is left
+  const Matrix6 left = inverse(held);  // 1: no constraint, the whole drift remains
   return belief_.covariance + drift.asDiagonal() * left * left * drift.asDiagonal();
 }
 

@@ -7,13 +7,14 @@
 
 namespace curbstone::localizer::tracking {
 
-/// Follows one pose through the saved map. Until the map has fitted for half a second, and again when it has not for as
-/// long, the vehicle is lost: the pose goes on with odometry and says so. It is lost too when a place near by fits
-/// clearly better; that one is followed from then on, and must fit as long. Pure; one thread.
+/// Tracks one pose through the saved map. The vehicle is lost until the map has fitted for kInARow revolutions in a
+/// row, and again when it has not fitted for as many. A lost pose continues with odometry and is reported as lost. The
+/// vehicle is also lost when a nearby place fits clearly better; the tracker then continues from that place. A vehicle
+/// that was found before is found again after kInARowAgain revolutions that fit. Pure; one thread.
 class Tracker final : public PoseTracker {
  public:
-  static constexpr int kInARow = 10;       ///< revolutions that fit, or do not
-  static constexpr int kInARowAgain = 40;  ///< that fit after it was lost on the way
+  static constexpr int kInARow = 10;       ///< consecutive revolutions that fit, or do not
+  static constexpr int kInARowAgain = 40;  ///< consecutive revolutions that fit, after it was lost on the way
 
   Tracker(const PoseBelief& start, const TrackingConfig& config) : config_(config), belief_(start) {}
 
@@ -24,8 +25,8 @@ class Tracker final : public PoseTracker {
   [[nodiscard]] bool lost() const override { return lost_; }
 
  private:
-  /// Share of the revolution, 0..1, that earlier ones did not say: from nearly the same place the map's errors look the
-  /// same, so a vehicle that stands does not become surer and surer.
+  /// The share of the revolution, 0..1, that is independent of earlier ones. From nearly the same place the map's
+  /// errors look the same, so the covariance of a standing vehicle must not shrink further.
   [[nodiscard]] double news_of(const Motion& motion) const;
   void judge(const PoseFit& fit);
   void look_around(const std::vector<Eigen::Vector3d>& points, PoseFit& fit, fields::SavedMap& map);
@@ -34,11 +35,11 @@ class Tracker final : public PoseTracker {
   PoseBelief belief_;
   Matrix6 information_ = Matrix6::Zero();  // of the last revolution that corrected the pose
   Surroundings surroundings_;
-  int looks_ = 0;       // revolutions in a row that corrected the pose
-  int revolution_ = 0;  // of those between two looks around
+  int looks_ = 0;       // consecutive revolutions that corrected the pose
+  int revolution_ = 0;  // counts revolutions between two checks of the surroundings
   bool lost_ = true;
   bool was_found_ = false;
-  int fitting_ = 0;  // revolutions in a row
+  int fitting_ = 0;  // consecutive revolutions
   int failing_ = 0;
 };
 

@@ -4,14 +4,14 @@
 
 namespace curbstone::localizer::tracking {
 
-/// Which heights of the ground are compared with the map's. Level ground always is: it says how the vehicle stands.
+/// Which ground heights are compared with the map's. Level ground is always compared: it determines roll and pitch.
 enum class Heights {
   kAll,
-  kCurbs,  ///< those beside a curb of the map alone: what curbs are worth by themselves
+  kCurbs,  ///< only those beside a curb of the map: measures what curbs alone contribute
   kNone,
 };
 
-/// What is looked at, and what is believed of it. What each means, and its unit, is what visit() says of it.
+/// What is measured, and how much it is trusted. visit() states meaning and unit of each.
 struct TrackingConfig {
   bool use_walls = true;
   Heights heights = Heights::kAll;

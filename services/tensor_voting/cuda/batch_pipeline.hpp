@@ -14,8 +14,8 @@
 namespace curbstone::tensor_voting::cuda {
 
 struct BatchRequest {
-  voting::VotingParameters parameters;  ///< valid ones
-  double middle[3] = {0, 0, 0};         ///< m: where the cloud is; steps are counted from there
+  voting::VotingParameters parameters;  ///< must be valid
+  double middle[3] = {0, 0, 0};         ///< m: centre of the cloud, the origin of the steps
   bool second_pass = false;
   bool equalise_density = false;
 };
@@ -27,7 +27,7 @@ struct BatchCounts {
   double voxel = 0;  ///< m
 };
 
-/// Of every point, in the order of the cloud.
+/// Results for every point, in the order of the cloud.
 struct BatchOutput {
   std::vector<kernels::TensorF> tensors;
   std::vector<VotedShape> shapes;
@@ -38,7 +38,7 @@ struct BatchOutput {
 class CloudBatch {
  public:
   virtual ~CloudBatch() = default;
-  /// `xyz`: m, of `num_points`. The memory of `output` is used again.
+  /// `xyz`: m, of `num_points` points. The memory of `output` is reused.
   virtual void vote(const double* xyz, std::uint32_t num_points, const BatchRequest& request, BatchOutput& output) = 0;
 };
 
@@ -60,13 +60,13 @@ class BatchPipeline {
     xyz_ = machine_.upload(xyz, 3 * std::size_t{num_points});
   }
 
-  /// Places the points, thins them out and sorts them by cell. Where they lie so dense that voting would not end, they
-  /// are thinned out more than was asked for.
+  /// Computes the points' cells, thins the points and sorts them by cell. Points so dense that voting would take too
+  /// long are thinned more than requested.
   void prepare(const BatchRequest& request) {
     request_ = request;
     const voting::VotingParameters& p = request.parameters;
     steps_per_metre_ = kStepsPerUnit / std::exp2(std::floor(std::log2(p.sigma)));
-    // A float has no vote left to give at 12 sigma. Density equalised over sigma / 2 must see that far.
+    // Beyond 12 sigma a vote is zero in float. Density equalisation over sigma / 2 needs at least that radius.
     radius_ = std::min(p.radius, 12 * p.sigma);
     const double reach = request.equalise_density ? std::max(radius_, p.sigma / 2) : radius_;
     grid_ = CellGrid::for_radius(reach * steps_per_metre_, (1 << 17) + 1, (1 << 20) + 1);  // for PlacePoints::kFar
@@ -81,7 +81,7 @@ class BatchPipeline {
     if (request_.second_pass) request_.equalise_density ? pass<OrientedVotes<true>>() : pass<OrientedVotes<false>>();
   }
 
-  /// In the order of the cloud.
+  /// Results in the order of the cloud.
   void download(std::vector<kernels::TensorF>& tensors, std::vector<VotedShape>& shapes) {
     Array<kernels::TensorF> all_tensors = machine_.template allocate<kernels::TensorF>(n_);
     Array<VotedShape> all_shapes = machine_.template allocate<VotedShape>(n_);
@@ -95,7 +95,7 @@ class BatchPipeline {
 
   [[nodiscard]] const BatchCounts& counts() const { return counts_; }
 
-  /// Pairs looked at in a pass.
+  /// Number of pairs tested in one pass.
   [[nodiscard]] std::uint64_t count_tests() {
     const std::uint32_t windows = num_windows(counts_.voters);
     auto tests = machine_.template allocate<std::uint64_t>(windows);
@@ -105,7 +105,7 @@ class BatchPipeline {
     return std::accumulate(host.begin(), host.end(), std::uint64_t{0});
   }
 
-  /// Votes cast: ordered pairs within reach of each other and not in one place.
+  /// Number of votes cast: ordered pairs within reach of each other, except pairs at the same place.
   [[nodiscard]] std::uint64_t count_pair_votes() {
     Array<std::uint32_t> counts = machine_.template allocate<std::uint32_t>(counts_.voters);
     CountVotes votes{{voters_.data()}, radius2(), false, counts.data(), nullptr};
@@ -116,8 +116,8 @@ class BatchPipeline {
   }
 
  private:
-  static constexpr double kStepsPerUnit = 1 << 20;     // as StepCloud has them
-  static constexpr std::uint64_t kMostTests = 50'000;  // of one voter, in the mean
+  static constexpr double kStepsPerUnit = 1 << 20;     // as in StepCloud
+  static constexpr std::uint64_t kMostTests = 50'000;  // for one voter, on average
 
   [[nodiscard]] float in_steps2(double length) const {
     return static_cast<float>(length * length * steps_per_metre_ * steps_per_metre_);
@@ -219,7 +219,7 @@ class BatchPipeline {
   double steps_per_metre_ = 1;
   Array<double> xyz_;
   Array<std::uint64_t> cells_;        // sorted
-  Array<std::uint32_t> voter_of_;     // a point, for each point
+  Array<std::uint32_t> voter_of_;     // for each point, its voter
   Array<std::uint32_t> rank_;         // of a point that votes
   Array<kernels::StepPoint> voters_;  // in the order of cells_
   Array<float> weights_;

@@ -12,25 +12,25 @@ namespace curbstone::tensor_voting::cuda {
 /// @file
 /// The steps of batch voting, each a function of the index of a point, a voter or a window of 32 voters.
 
-/// Instead of a cell or voxel: why a point has none. They sort behind all others.
+/// Special keys in place of a cell or voxel: the reason why a point has none. They sort behind all other keys.
 inline constexpr std::uint64_t kThinnedOut = CellGrid::kNobody;
 inline constexpr std::uint64_t kTooFar = CellGrid::kNobody + 1;
 inline constexpr std::uint64_t kNotFinite = CellGrid::kNobody + 2;
 
-/// How metres become steps, and steps voxels.
+/// Conversion of metres to steps, and of steps to voxels.
 struct CloudFrame {
   double origin[3] = {0, 0, 0};           ///< m
   double steps_per_metre = 1;             ///< a power of two
   double voxels_per_step = 0;             ///< 0: no thinning
-  double origin_in_voxel[3] = {0, 0, 0};  ///< where in its voxel the origin lies, in voxels
+  double origin_in_voxel[3] = {0, 0, 0};  ///< position of the origin inside its voxel, in voxels
 };
 
 struct PlacePoints {
   const double* xyz;  ///< m
   CloudFrame frame;
   CellGrid grid;
-  kernels::StepPoint* points;  ///< they wrap: their differences do not matter beyond 2^31
-  std::uint32_t* order;        ///< 0, 1, 2, ... to be sorted along with the keys
+  kernels::StepPoint* points;  ///< they wrap: only differences below 2^31 are used
+  std::uint32_t* order;        ///< 0, 1, 2, ... to be sorted with the keys
   std::uint64_t* cells;        ///< key
   std::uint64_t* voxels;       ///< key; nullptr without thinning
   std::uint32_t* voter_of;     ///< the point itself, or kNoVoter
@@ -62,7 +62,7 @@ struct PlacePoints {
     if (voxels != nullptr) voxels[i] = problem != 0 ? problem : voxel_of(steps);
   }
 
-  /// Half a step up: a coordinate on the lattice must not fall below it by the rounding of the product.
+  /// Adds half a step, so that rounding of the product cannot move a coordinate on the lattice below it.
   CURBSTONE_HD std::uint64_t voxel_of(const std::int64_t* steps) const {
     std::uint64_t key = 0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -73,10 +73,10 @@ struct PlacePoints {
   }
 };
 
-/// Of points sorted by voxel: the first one of the cloud in each votes for all.
+/// For points sorted by voxel: the first point of the cloud in each voxel votes for all of them.
 struct ThinOut {
   const std::uint64_t* voxels;  ///< sorted; of equal ones the earlier point comes first
-  const std::uint32_t* order;   ///< which point is where
+  const std::uint32_t* order;   ///< point at each sorted position
   std::uint32_t num_points;
   std::uint64_t* cells;     ///< of points, not sorted
   std::uint32_t* voter_of;  ///< of points
@@ -90,7 +90,7 @@ struct ThinOut {
   }
 };
 
-/// How many points of the sorted cells vote, are not finite, and are too far.
+/// Counts the points of the sorted cells that vote, that are not finite, and that are too far.
 struct CountKinds {
   const std::uint64_t* cells;
   std::uint32_t num_points;
@@ -104,7 +104,7 @@ struct CountKinds {
   }
 };
 
-/// Voters in the order of their cells.
+/// Puts the voters in the order of their cells.
 struct OrderVoters {
   const kernels::StepPoint* points;
   const std::uint32_t* order;
@@ -117,7 +117,7 @@ struct OrderVoters {
   }
 };
 
-/// Every point takes the tensor of its voter; those that were skipped get one without votes.
+/// Gives every point the tensor of its voter; skipped points get a tensor without votes.
 struct HandOut {
   const std::uint32_t* voter_of;
   const std::uint32_t* rank;
@@ -133,8 +133,8 @@ struct HandOut {
   }
 };
 
-/// Windows of votees gather from the voters around, each in kParts: the last parts, most of which have nothing to do
-/// and some much, first.
+/// Windows of votees gather votes from the voters around them, each window in kParts parts. The last parts run first:
+/// most of them have nothing to do, and some have much.
 template <class Votes>
 struct GatherWindow {
   using Memory = GatherMemory<typename Votes::Voter>;
@@ -150,7 +150,7 @@ struct GatherWindow {
   }
 };
 
-/// How many pairs each window would look at.
+/// Counts the pairs that each window would test.
 struct CountTests {
   using Memory = GatherMemory<CountVotes::Voter>;
   CellGrid grid;

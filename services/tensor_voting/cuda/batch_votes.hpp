@@ -9,12 +9,13 @@
 namespace curbstone::tensor_voting::cuda {
 
 /// @file
-/// What a pair of points comes to in batch voting, as WarpGather wants it. In float: 1e-5 of a tensor's norm.
+/// The votes of one pair in batch voting, in the form that WarpGather requires. In float: exact to 1e-5 of a tensor's
+/// norm.
 
 struct LocalOffset {
   float x, y, z;
 };
-/// Exact within 2^24 steps.
+/// The offset from `origin` to `p`; exact within 2^24 steps.
 CURBSTONE_HD inline LocalOffset offset_from(const kernels::StepPoint& origin, const kernels::StepPoint& p) {
   const auto minus = [](std::int32_t a, std::int32_t b) {
     return static_cast<float>(static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b)));
@@ -31,7 +32,7 @@ struct BatchDecay {
   float radius2 = 0;
 };
 
-/// What is common to all of them: points, seen from an origin near by.
+/// Common part of all kinds of votes: the points, relative to a nearby origin.
 struct PointsOnDevice {
   const kernels::StepPoint* points = nullptr;
 
@@ -50,7 +51,7 @@ struct BallVotes : PointsOnDevice {
   };
   using Votee = LocalOffset;
   struct Sums {
-    float w = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0;  // of w, of w u u^T
+    float w = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0;  // sum of w, sums of w u u^T
   };
 
   BatchDecay decay;
@@ -92,7 +93,7 @@ struct BallVotes : PointsOnDevice {
   }
 };
 
-/// Second pass: stick and plate votes of tensors that know which way they lie, formula (G), with shares for saliencies.
+/// Second pass: stick and plate votes of oriented tensors, formula (G), weighted by their saliencies.
 ///   stick: w (1 - (u.n)^2) (R n)(R n)^T,   R = I - 2 u u^T
 ///   plate: w R H R,  H = Q - ((u^T Q u) Q + 2 Q u u^T Q) / 4,  Q = I - t t^T
 template <bool weighted>
@@ -110,7 +111,7 @@ struct OrientedVotes : PointsOnDevice {
 
   BatchDecay decay;
   const float* weights = nullptr;
-  const VotedShape* oriented = nullptr;  ///< the voters'
+  const VotedShape* oriented = nullptr;  ///< of the voters
   kernels::TensorF* tensors = nullptr;
   VotedShape* shapes = nullptr;
 
@@ -163,7 +164,8 @@ struct OrientedVotes : PointsOnDevice {
   }
 };
 
-/// Points within reach, the votee itself (and its duplicates) included; or their inverse, a voter's weight.
+/// Counts the points within reach, including the votee itself and its duplicates. Also gives the inverse of that count,
+/// a voter's weight.
 struct CountVotes : PointsOnDevice {
   struct alignas(16) Voter {
     LocalOffset at;
@@ -176,8 +178,8 @@ struct CountVotes : PointsOnDevice {
 
   float radius2 = 0;
   bool with_own_place = true;
-  std::uint32_t* counts = nullptr;  ///< if wanted
-  float* weights = nullptr;         ///< if wanted
+  std::uint32_t* counts = nullptr;  ///< may be null
+  float* weights = nullptr;         ///< may be null
 
   CURBSTONE_HD Voter voter(std::uint32_t i, const kernels::StepPoint& origin) const {
     return {offset_from(origin, points[i]), 0.0F};

@@ -6,24 +6,24 @@
 
 namespace curbstone::tensor_voting::cuda {
 
-/// Cells under one sort key, x fastest: the cells of a stretch of x within one row (y, z) are one run of sorted points.
-/// Rows are a third of the radius wide, so that few pairs out of reach are tested; x is cut a sixteenth of it fine, as
-/// it only bounds the runs.
+/// Maps cells to sort keys, x fastest: the cells of an interval of x within one row (y, z) are one run of sorted
+/// points. Rows are a third of the radius wide, so that few pairs out of reach are tested. Cells are only a sixteenth
+/// of the radius long in x, because x merely bounds the runs.
 struct CellGrid {
-  static constexpr int kReach = 3;                                   ///< rows each way that a vote may cross
-  static constexpr int kRows = (2 * kReach + 1) * (2 * kReach + 1);  ///< that a votee's voters are in
-  static constexpr int kFine = 16;                                   ///< cells of x in a radius
+  static constexpr int kReach = 3;                                   ///< rows in each direction that a vote may cross
+  static constexpr int kRows = (2 * kReach + 1) * (2 * kReach + 1);  ///< rows that contain a votee's voters
+  static constexpr int kFine = 16;                                   ///< cells of x in one radius
   static constexpr int kBitsX = 23;
   static constexpr int kBitsY = 20;
   static constexpr int kBitsZ = 20;
-  static constexpr std::uint64_t kNobody = std::uint64_t{1} << 63;  ///< from here on: keys of no place
+  static constexpr std::uint64_t kNobody = std::uint64_t{1} << 63;  ///< keys from here on belong to no cell
 
   float radius = 0;          ///< of a vote, in steps
   std::int32_t edge_x = 1;   ///< in steps
   std::int32_t edge_yz = 1;  ///< in steps
 
-  /// Edges are at least `least_x` and `least_yz` steps, so that whoever keeps within +-2^22 times the first in x and
-  /// +-2^19 in y and z times the second has a place.
+  /// Edges are at least `least_x` and `least_yz` steps. Positions within +-2^22 times `least_x` in x and +-2^19 times
+  /// `least_yz` in y and z then have a key.
   CURBSTONE_HD static CellGrid for_radius(double radius, std::int32_t least_x, std::int32_t least_yz) {
     constexpr double kMost = 1 << 30;
     const auto edge = [&](int parts, std::int32_t least) {
@@ -57,14 +57,15 @@ struct CellGrid {
     std::uint64_t low = 0;
     std::uint64_t high = 0;
   };
-  /// Votees first .. last (keys of one row) that are handled together: at most two radii long. Returns the highest key
-  /// that still belongs to the stretch from `first`.
+  /// Votees first .. last (keys of one row) that are handled together span at most two radii. Returns the highest key
+  /// that still belongs to the stretch that begins at `first`.
   CURBSTONE_HD static std::uint64_t end_of_stretch(std::uint64_t first) {
     constexpr std::uint64_t kMaskX = (std::uint64_t{1} << kBitsX) - 1;
     const std::uint64_t x = smaller((first & kMaskX) + 2 * kFine, kMaskX);
     return (first & ~kMaskX) | x;
   }
-  /// Where the voters of votees with keys first .. last, all of one row, may lie in neighbouring row `row` < kRows.
+  /// The keys of the voters in neighbouring row `row` < kRows that may reach votees with keys first .. last, all of one
+  /// row.
   CURBSTONE_HD KeyRange voters_in_row(std::uint64_t first, std::uint64_t last, int row) const {
     constexpr std::int64_t kMaskX = (std::int64_t{1} << kBitsX) - 1;
     constexpr std::int64_t kMaskY = (std::int64_t{1} << kBitsY) - 1;
@@ -85,7 +86,7 @@ struct CellGrid {
   }
 
  private:
-  /// The distance between points in rows `rows` apart, at least.
+  /// The minimum distance between points whose rows are `rows` apart.
   CURBSTONE_HD float gap(int rows) const {
     const int between = (rows < 0 ? -rows : rows) - 1;
     return between > 0 ? static_cast<float>(between) * static_cast<float>(edge_yz) : 0.0F;

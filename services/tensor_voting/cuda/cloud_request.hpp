@@ -8,10 +8,10 @@
 
 namespace curbstone::tensor_voting::cuda {
 
-/// Between CudaBatchVoter and the back end. Throws std::invalid_argument on parameters that mean nothing.
+/// Converts arguments of CudaBatchVoter to the back end's request. Throws std::invalid_argument on invalid parameters.
 [[nodiscard]] BatchRequest request_for(std::span<const Eigen::Vector3d> points,
                                        const voting::VotingParameters& parameters, const voting::BatchOptions& options);
-/// `output` gets the memory of `votes` in return.
+/// Moves the results to `votes`; `output` gets the memory of `votes` in return.
 void hand_over(BatchOutput& output, voting::CloudVotes& votes);
 
 }  // namespace curbstone::tensor_voting::cuda

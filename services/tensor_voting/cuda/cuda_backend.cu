@@ -54,7 +54,7 @@ TimedBatch time_on_device(const double* xyz, std::uint32_t num_points, const Bat
     const auto now = std::chrono::steady_clock::now();
     return std::chrono::duration<double, std::milli>(now - std::exchange(last, now)).count();
   };
-  for (int i = -1; i < repeats; ++i) {  // the first one loads code and memory, and does not count
+  for (int i = -1; i < repeats; ++i) {  // the first call loads code and allocates memory, and is not counted
     DeviceTimes times;
     lap();
     pipeline.upload(xyz, num_points);

@@ -11,13 +11,13 @@
 namespace curbstone::tensor_voting::cuda {
 
 /// @file
-/// What nvcc compiles, seen from C++: no CUDA in it, and no Eigen, which nvcc had better not see. Where there is no
-/// nvcc, cuda_backend_absent.cpp stands in its place.
+/// The C++ interface of the part that nvcc compiles. It contains no CUDA, and no Eigen, because nvcc should not compile
+/// Eigen. Without nvcc, cuda_backend_absent.cpp replaces that part.
 
-/// Empty if there is a device that can be used.
+/// Why no device can be used; empty if one can.
 [[nodiscard]] std::string why_no_device();
 
-/// Throw std::runtime_error with what CUDA has to say, and so does what they make.
+/// These functions, and the objects that they make, throw std::runtime_error with CUDA's error text.
 [[nodiscard]] std::unique_ptr<CloudBatch> make_cloud_batch();
 [[nodiscard]] std::unique_ptr<ResidentVoters> make_resident_voters(const CellGrid& grid, const kernels::Decay& decay);
 

@@ -19,10 +19,10 @@ inline void check(cudaError_t error, const char* what) {
                            cudaGetErrorString(error));
 }
 
-/// 32 threads of a block, each a lane.
+/// 32 threads of a block, each of which is a lane.
 struct DeviceWarp {
   template <class T>
-  struct Lanes {  // this thread's
+  struct Lanes {  // the value of this thread
     T value{};
     __device__ T& operator[](std::uint32_t) { return value; }
   };
@@ -33,7 +33,7 @@ struct DeviceWarp {
   __device__ void sync() const { __syncwarp(); }
 };
 
-inline constexpr unsigned kThreads = 128;  // of a block: four warps, each on its own
+inline constexpr unsigned kThreads = 128;  // of a block: four independent warps
 
 template <class F>
 __global__ void __launch_bounds__(2 * kThreads) run_each(F f, std::uint32_t n) {
@@ -50,8 +50,8 @@ __global__ void __launch_bounds__(kThreads) run_each_window(F f, std::uint32_t n
   f(warp, memory[threadIdx.x / kWarp], static_cast<std::uint32_t>(window));
 }
 
-/// The current device, by a stream and a pool of memory of its own: arrays must not outlive it. Work is queued;
-/// upload() and download() wait. All functions throw std::runtime_error.
+/// The current device, used through a stream and a memory pool of its own. Arrays must not outlive the machine. Work is
+/// queued; upload() and download() wait for it. All functions throw std::runtime_error.
 class CudaMachine {
   struct Context {
     cudaStream_t stream = nullptr;
@@ -67,7 +67,7 @@ class CudaMachine {
     properties.allocType = cudaMemAllocationTypePinned;
     properties.location.type = cudaMemLocationTypeDevice;
     properties.location.id = device;
-    std::uint64_t kept = std::uint64_t{1} << 30;  // bytes that calls hand on to each other
+    std::uint64_t kept = std::uint64_t{1} << 30;  // bytes kept in the pool from one call to the next
     cudaError_t error = cudaMemPoolCreate(&context_.pool, &properties);
     if (error == cudaSuccess) {
       error = cudaMemPoolSetAttribute(context_.pool, cudaMemPoolAttrReleaseThreshold, &kept);
@@ -119,7 +119,7 @@ class CudaMachine {
   [[nodiscard]] Array<T> upload(const T* from, std::size_t n) const {
     Array<T> to = allocate<T>(n);
     move(to.data(), from, n, cudaMemcpyHostToDevice, "upload");
-    synchronize();  // `from` may go
+    synchronize();  // so that the caller may release `from`
     return to;
   }
   template <class T>

@@ -14,8 +14,8 @@ namespace curbstone::tensor_voting::cuda {
 
 namespace {
 
-/// Flops of a pair that is looked at: an offset and its square; and of one that votes: the exponent, exp2, a quotient,
-/// two products and six sums. A fused multiplication and addition counts two.
+/// Floating-point operations of a tested pair: an offset and its square; and of a pair that votes: the exponent, exp2,
+/// a quotient, two products and six sums. A fused multiply-add counts as two.
 constexpr double kFlopsPerTest = 8;
 constexpr double kFlopsPerVote = 16;
 
@@ -32,7 +32,7 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// The origin that to_steps() would find: of some of the points, as it looks at no more.
+/// The origin that to_steps() would find. A sample of the points suffices, because to_steps() uses only a sample too.
 Eigen::Vector3d find_middle(std::span<const Eigen::Vector3d> points, double sigma) {
   constexpr std::size_t kSample = 1000;
   std::vector<Eigen::Vector3d> sample;
@@ -119,7 +119,7 @@ std::optional<CudaTimings> time_cuda_voting(std::span<const Eigen::Vector3d> poi
   std::vector<double> calls;
   CudaBatchVoter voter;
   voting::CloudVotes votes;
-  for (int i = -2; i < std::max(repeats, 1); ++i) {  // memory is taken in the first two
+  for (int i = -2; i < std::max(repeats, 1); ++i) {  // the first two runs allocate memory
     const auto begin = std::chrono::steady_clock::now();
     voter.vote(points, parameters, {}, votes);
     if (i < 0) continue;

@@ -20,12 +20,12 @@ std::string name_of(TileKey key) {
   return "tile (" + std::to_string(key.x) + ", " + std::to_string(key.y) + ")";
 }
 
-/// Wraps for tiles thousands of kilometres away: only differences count.
+/// Wraps for tiles thousands of kilometres away: only differences are used.
 std::int32_t in_map(std::int32_t tile, int step) {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(tile) * kStepsPerTile + static_cast<std::uint32_t>(step));
 }
 
-/// A point's place in the field, in steps from the corner of the field's origin.
+/// The position of a point in the field, in steps from the corner of the field's origin.
 std::array<std::int64_t, 3> place_of(TileKey origin, TileKey key, std::int32_t z_origin, const TilePoint& point) {
   return {(std::int64_t{key.x} - origin.x) * kStepsPerTile + point.x,
           (std::int64_t{key.y} - origin.y) * kStepsPerTile + point.y, std::int64_t{z_origin} + point.z};
@@ -41,7 +41,7 @@ struct CudaVotingField::Tile {
   voting::VoxelTable voxels;
 };
 
-/// Voters on their way to the device.
+/// New voters to be uploaded to the device.
 struct CudaVotingField::Fresh {
   std::vector<std::uint64_t> keys;
   std::vector<ResidentVoter> voters;
@@ -53,7 +53,7 @@ CudaVotingField::CudaVotingField(const voting::VotingParameters& parameters, std
 CudaVotingField::CudaVotingField(const voting::VotingParameters& parameters, std::size_t max_voters,
                                  const MakeVoters& make_voters)
     : max_voters_(std::min(max_voters, kMostVoters)) {
-  (void)voting::VotingField(parameters);  // refuses what cannot be done
+  (void)voting::VotingField(parameters);  // throws on invalid parameters
   voxel_ = static_cast<int>(std::lround(parameters.voxel / kPositionStep));
   grid_ = std::make_unique<CellGrid>(CellGrid::for_radius(parameters.radius / kPositionStep, 1, 1));
   voters_ = make_voters(*grid_, kernels::decay_in_steps(parameters.sigma, parameters.radius, kPositionStep));

@@ -19,21 +19,20 @@ namespace curbstone::tensor_voting::cuda {
 class ResidentVoters;
 struct CellGrid;
 
-/// VotingField on a GPU: the voters and their sums stay on the device, only new points go up, only new pairs are
-/// computed, and what is asked for comes down, tile by tile. Voters, sums and numbers of votes have the bits of
-/// VotingField's, whatever came in which order. Points go to the device in batches: give add() all of a revolution at
-/// once.
+/// VotingField on a GPU. The voters and their sums stay on the device: only new points are uploaded, only new pairs are
+/// computed, and requested tiles are downloaded. Voters, sums and numbers of votes are bitwise equal to VotingField's,
+/// whatever the order of arrival. Points go to the device in batches: pass all points of a revolution to add() at once.
 ///
-/// Tiles must lie within 50 km of the first one (at sigma 0.1 m; in proportion to the radius). Takes 2 x 84 bytes of
-/// device memory a voter at most. One thread at a time. Functions that reach the device throw std::runtime_error with
-/// what CUDA has to say when it fails; the field is empty then.
+/// Tiles must lie within 50 km of the first one (at sigma 0.1 m; in proportion to the radius). Takes at most 2 x 84
+/// bytes of device memory a voter. One thread at a time. Functions that use the device throw std::runtime_error with
+/// CUDA's error text when it fails; the field is then empty.
 class CudaVotingField {
  public:
-  /// The device's part. Tests put the host in its place.
+  /// Makes the device's part. Tests replace it by the host.
   using MakeVoters = std::function<std::unique_ptr<ResidentVoters>(const CellGrid&, const kernels::Decay&)>;
 
-  /// Throws std::invalid_argument on parameters that VotingField does not take, and std::runtime_error where there is
-  /// no device (why_no_cuda()).
+  /// Throws std::invalid_argument on parameters that VotingField does not accept, and std::runtime_error if there is no
+  /// device (why_no_cuda()).
   explicit CudaVotingField(const voting::VotingParameters& parameters, std::size_t max_voters = 8'000'000);
   CudaVotingField(const voting::VotingParameters& parameters, std::size_t max_voters, const MakeVoters& make_voters);
   ~CudaVotingField();
@@ -42,14 +41,14 @@ class CudaVotingField {
 
   struct Addition {
     TileKey key;
-    std::int32_t z_origin = 0;  ///< of the tile's z = 0, in steps; holds from its first points on
+    std::int32_t z_origin = 0;  ///< of the tile's z = 0, in steps; fixed by its first points
     std::span<const TilePoint> points;
   };
   /// Appends points to tiles. Throws std::invalid_argument for points outside their tile and tiles too far away, and
-  /// std::runtime_error where all points together with the voters would exceed max_voters; nothing has changed then.
+  /// std::runtime_error if all points together with the voters would exceed max_voters; the field is then unchanged.
   void add(std::span<const Addition> additions);
   void add(TileKey key, std::int32_t z_origin, std::span<const TilePoint> points);
-  /// Takes tiles out, and their votes out of the tiles around them.
+  /// Removes tiles, and their votes from the tiles around them.
   void remove(std::span<const TileKey> keys);
   void remove(TileKey key);
   void clear();
@@ -68,7 +67,7 @@ class CudaVotingField {
     std::vector<kernels::VoteSums> sums;  ///< of each voter
     std::int64_t num_votes = 0;           ///< received by all of them: a version number of the tile's tensors
   };
-  /// In one download. A tile that is not there has no voters.
+  /// The votes of several tiles, in one download. A tile that is not in the field has no voters.
   [[nodiscard]] std::vector<TileVotes> votes(std::span<const TileKey> keys);
   [[nodiscard]] TileVotes votes(TileKey key);
 
@@ -80,7 +79,7 @@ class CudaVotingField {
   void append(const Addition& addition, Fresh& fresh);
   std::uint32_t take_slot(TileKey key);
   void note_changes(const std::vector<std::uint8_t>& changed);
-  /// Calls work(); if that throws, empties the field first.
+  /// Calls work(); if that throws, empties the field and rethrows.
   template <class Work>
   auto guarded(const Work& work);
 

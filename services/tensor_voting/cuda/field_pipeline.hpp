@@ -9,7 +9,7 @@
 
 namespace curbstone::tensor_voting::cuda {
 
-/// Merges two sorted lists of voters: each finds its own place. Of equal keys the resident ones come first.
+/// Merges two sorted lists of voters: each voter finds its own place. Of equal keys the resident ones come first.
 struct MergeInto {
   const std::uint64_t* keys;
   const ResidentVoter* voters;
@@ -29,7 +29,7 @@ struct MergeInto {
   }
 };
 
-/// Puts voters into the order that a sort has found.
+/// Permutes voters into sorted order.
 struct PermuteVoters {
   const std::uint32_t* order;
   const ResidentVoter* voters;
@@ -38,7 +38,7 @@ struct PermuteVoters {
   CURBSTONE_HD void operator()(std::uint32_t i) const { to[i] = voters[order[i]]; }
 };
 
-/// Gives voters of removed tiles a key behind all others.
+/// Gives voters of removed tiles a key behind all other keys.
 struct MarkRemoved {
   const std::uint64_t* keys;
   const ResidentVoter* voters;
@@ -80,7 +80,7 @@ struct CollectSums {
   }
 };
 
-/// ResidentVoters on a machine (BatchPipeline says what that is).
+/// ResidentVoters on a machine (BatchPipeline defines what a machine is).
 template <class Machine>
 class ResidentVotersOn : public ResidentVoters {
  public:
@@ -93,7 +93,7 @@ class ResidentVotersOn : public ResidentVoters {
     Part fresh = upload(keys, voters);
     Part merged = allocate(all_.size + n);
     Flags changed = zeros(num_slots);
-    gather(all_, fresh, 1, changed);  // old voters from the new ones, and from no others
+    gather(all_, fresh, 1, changed);  // old voters gather from the new ones only
     gather(fresh, all_, 1, changed);
     gather(fresh, fresh, 1, changed);
     merge(all_, fresh, false, merged);

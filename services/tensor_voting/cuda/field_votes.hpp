@@ -9,20 +9,20 @@
 
 namespace curbstone::tensor_voting::cuda {
 
-/// A voter of the growing map, as it lies on the device.
+/// A voter of the growing map, as stored on the device.
 struct ResidentVoter {
   kernels::StepPoint at;
   std::uint32_t tile = 0;    ///< slot
   std::uint32_t number = 0;  ///< in its tile
 };
-/// What it has received: VoteSums, and how many votes they are.
+/// Votes received by a voter: VoteSums, and the number of votes.
 struct ResidentSums {
   std::int64_t value[kernels::VoteSums::kCount];
   std::int64_t votes;
 };
 
-/// The votes of one pair in whole units, operation for operation what the CPU's exact kernels do
-/// (vote_kernel_impl.hpp): both have the same bits.
+/// The votes of one pair in whole units, operation for operation as in the CPU's exact kernels (vote_kernel_impl.hpp):
+/// both give the same bits.
 struct ExactPair {
   std::int32_t component[kernels::VoteSums::kCount];
 
@@ -57,7 +57,7 @@ struct ExactPair {
   }
 };
 
-/// Votees gather exact votes from some of the voters, or give them back (sign -1).
+/// Votees gather exact votes from some of the voters, or return them (sign -1).
 struct ExactVotes {
   struct alignas(16) Voter {
     LocalOffset at;
@@ -73,8 +73,8 @@ struct ExactVotes {
   float sign = 1;
   const ResidentVoter* votees = nullptr;
   const ResidentVoter* voters = nullptr;
-  ResidentSums* received = nullptr;  ///< by the votees
-  std::uint8_t* changed = nullptr;   ///< by tile slot: 1 where one of its votees has received anything
+  ResidentSums* received = nullptr;  ///< of the votees
+  std::uint8_t* changed = nullptr;   ///< by tile slot: 1 if one of its votees has received a vote
 
   CURBSTONE_HD kernels::StepPoint position(std::uint32_t i) const { return votees[i].at; }
   CURBSTONE_HD Votee votee(std::uint32_t i, const kernels::StepPoint& origin) const {
@@ -91,7 +91,7 @@ struct ExactVotes {
     for (int c = 0; c < kernels::VoteSums::kCount; ++c) sums.value[c] += pair.component[c];
     ++sums.votes;
   }
-  /// Nobody else writes these sums; all who change a tile write the same 1.
+  /// No other thread writes these sums. All threads that change a tile write the same 1.
   CURBSTONE_HD void store(std::uint32_t i, const Sums& sums) const {
     if (sums.votes == 0) return;
     ResidentSums& to = received[i];

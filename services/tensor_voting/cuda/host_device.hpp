@@ -5,9 +5,9 @@
 #include <cstdint>
 
 /// @file
-/// What runs on the device is written once, in headers that g++ compiles too, so that the very same source is tested on
-/// machines without a GPU. nvcc compiles it with -fmad=false: nothing is fused but what says so (fused()), and float
-/// arithmetic has the same bits on both sides, approximate_exp2() and approximate_quotient() excepted.
+/// Device code is written once, in headers that g++ also compiles, so that the same source is tested on machines
+/// without a GPU. nvcc compiles it with -fmad=false: only operations marked as fused (fused()) are fused, and float
+/// arithmetic has the same bits on both sides, except for approximate_exp2() and approximate_quotient().
 #ifdef __CUDACC__
 #define CURBSTONE_HD __host__ __device__
 #else
@@ -21,7 +21,7 @@ CURBSTONE_HD inline float fused(float a, float b, float c) {
   return ::fmaf(a, b, c);
 }
 
-/// 2^x for x <= 0 to 2^-22; what falls below the normal floats is 0 on the device.
+/// 2^x for x <= 0 to 2^-22; results below the normal floats are 0 on the device.
 CURBSTONE_HD inline float approximate_exp2(float x) {
 #ifdef __CUDA_ARCH__
   float y;
@@ -76,7 +76,7 @@ CURBSTONE_HD T larger(T a, T b) {
   return a < b ? b : a;
 }
 
-/// The first of `keys` in [begin, end), sorted, that is not below `key`; end if there is none.
+/// The first of the sorted `keys` in [begin, end) that is not below `key`; end if there is none.
 CURBSTONE_HD inline std::uint32_t lower_bound(const std::uint64_t* keys, std::uint32_t begin, std::uint32_t end,
                                               std::uint64_t key) {
   while (begin < end) {

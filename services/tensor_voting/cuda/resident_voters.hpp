@@ -10,7 +10,7 @@
 namespace curbstone::tensor_voting::cuda {
 
 /// The voters of a map and the votes they have received, kept on a machine in the order of their keys. All functions
-/// throw std::runtime_error when the machine fails; memory is asked for before anything is changed.
+/// throw std::runtime_error when the machine fails. They allocate memory before they change anything.
 class ResidentVoters {
  public:
   virtual ~ResidentVoters() = default;
@@ -18,7 +18,7 @@ class ResidentVoters {
   /// Adds voters, with their keys. Returns for each of `num_slots` tiles whether its sums have changed.
   virtual std::vector<std::uint8_t> add(const std::vector<std::uint64_t>& keys,
                                         const std::vector<ResidentVoter>& voters, std::uint32_t num_slots) = 0;
-  /// Takes out all `count` voters of the tiles marked by slot. Returns what add() does.
+  /// Removes all `count` voters of the tiles marked by slot. Returns the same as add().
   virtual std::vector<std::uint8_t> remove(const std::vector<std::uint8_t>& tiles, std::uint32_t count) = 0;
   /// The sums of `total` voters of some tiles: a tile's from offsets[slot] on, in the order of their numbers; offset
   /// kUnwanted leaves a tile out.

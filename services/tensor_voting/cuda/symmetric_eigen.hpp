@@ -7,7 +7,7 @@
 
 namespace curbstone::tensor_voting::cuda {
 
-/// A tensor taken apart: DecompositionF, without Eigen.
+/// A decomposed tensor: DecompositionF, without Eigen.
 struct VotedShape {
   float normal[3] = {0, 0, 1};
   float tangent[3] = {1, 0, 0};
@@ -17,7 +17,7 @@ struct VotedShape {
   float mass = 0;
 };
 
-/// A symmetric matrix on its way to diagonal form, and the axes that it is seen from.
+/// A symmetric matrix during diagonalisation, and the axes of its present coordinates.
 struct JacobiState {
   float diagonal[3];
   float off[3];      ///< off[r]: the element that is neither in row nor in column r
@@ -50,7 +50,7 @@ struct JacobiState {
     }
   }
 
-  /// Puts the larger eigenvalue first; of equal ones the steeper axis.
+  /// Puts the larger eigenvalue first; of equal eigenvalues, the one with the steeper axis.
   template <int first, int second>
   CURBSTONE_HD void order() {
     const bool swap = diagonal[first] < diagonal[second] ||
@@ -64,7 +64,7 @@ struct JacobiState {
     for (int i = 0; i < 3; ++i) exchange(axis[first][i], axis[second][i]);
   }
 
-  /// Of unit length, in the upper half space: z > 0, if z = 0 then y > 0, if that is 0 too x > 0.
+  /// Stores a vector as unit vector in the upper half space: z > 0; if z = 0 then y > 0; if that is 0 too, x > 0.
   CURBSTONE_HD static void store_upper(const float* v, float* to) {
     const bool down = v[2] < 0 || (v[2] == 0 && (v[1] < 0 || (v[1] == 0 && v[0] < 0)));
     const float scale = (down ? -1.0F : 1.0F) / ::sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
@@ -72,8 +72,8 @@ struct JacobiState {
   }
 };
 
-/// Eigenvalues and -vectors by Jacobi rotations, with the conventions of decompose(). A tensor without votes, or one
-/// that is not finite, has no shares.
+/// Eigenvalues and eigenvectors by Jacobi rotations, with the conventions of decompose(). The shares of a tensor
+/// without votes, or of one that is not finite, are 0.
 CURBSTONE_HD inline VotedShape shape_of(const kernels::TensorF& tensor) {
   constexpr int kSweeps = 4;  // quadratic convergence
   VotedShape shape;

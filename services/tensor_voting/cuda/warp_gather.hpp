@@ -19,16 +19,16 @@ inline constexpr std::uint32_t kParts = 8;  // warps that share a window
   return (size + kWarp - 1) / kWarp;
 }
 
-/// What a warp keeps in shared memory: a tile of voters, and where in the sorted order the rows of voters are.
+/// Shared memory of a warp: a tile of voters, and the position of each row of voters in the sorted order.
 template <class Voter>
 struct GatherMemory {
   static constexpr std::uint32_t kTile = sizeof(Voter) > 16 ? 64 : 128;
   Voter voters[kTile];
-  // Lengths are added up in fours: nvcc loads a little beyond their end. There must lie nothing that is written
-  // meanwhile.
+  // Lengths are summed in groups of four: nvcc's code loads a little beyond their end. The bytes there must not be
+  // written at the same time.
   std::uint32_t length[CellGrid::kRows];
   std::uint32_t begin[CellGrid::kRows];
-  std::uint32_t offset[CellGrid::kRows + 1];  // of a row in all rows' voters one after the other
+  std::uint32_t offset[CellGrid::kRows + 1];  // start of each row in the concatenation of all rows' voters
 
   /// The index of the k-th of all voters.
   CURBSTONE_HD std::uint32_t index_of(std::uint32_t k) const {
@@ -40,17 +40,17 @@ struct GatherMemory {
   }
 };
 
-/// The one loop of all voting on the device: 32 votees, neighbours in the sorted order, one to a thread; every voter
-/// near them is put into shared memory once and shown to all. Sums stay in registers, nobody writes for anybody else,
-/// and their order is the sorted order.
+/// The inner loop of all voting on the device. A warp handles 32 votees, neighbours in the sorted order, one to a
+/// thread. Every voter near them is loaded into shared memory once and read by all threads. Sums stay in registers, no
+/// thread writes another thread's results, and votes are summed in the sorted order.
 ///
-/// `Warp` runs `each(f)` for its 32 lanes, with Lanes<T> a T for each; sync() stands between what lanes write and what
-/// others read. A device's warp does it at once, the host's one lane after the other. `Votes` has
-///   Voter, Votee, Sums                what is kept of them
+/// `Warp` runs `each(f)` for its 32 lanes, with Lanes<T> a T for each; sync() separates the writes of lanes from the
+/// reads of others. A device's warp runs the lanes in parallel, the host runs them one after the other. `Votes` has
+///   Voter, Votee, Sums                the data kept of each
 ///   position(i)                       of votee i, in steps
-///   votee(i, origin), voter(i, origin)  as they are seen from a position near by, where floats are exact
+///   votee(i, origin), voter(i, origin)  relative to a nearby position, where floats are exact
 ///   add(voter, votee, sums)
-///   store(i, sums)                    when all is added
+///   store(i, sums)                    after the last add()
 template <class Warp, class Votes>
 class WarpGather {
  public:
@@ -60,8 +60,9 @@ class WarpGather {
                           const SortedKeys& voters, const Votes& votes)
       : warp_(warp), memory_(memory), grid_(grid), votees_(votees), voters_(voters), votes_(votes) {}
 
-  /// Of votees 32 window .. 32 window + 31 those that are `part`'s. Each stretch of them looks for voters anew. Sparse
-  /// points make a stretch each, and one warp would be at it long after all others: kParts share them.
+  /// Handles the stretches of votees 32 window .. 32 window + 31 that belong to `part`. Each stretch searches its
+  /// voters anew. Sparse points form one stretch each, which would occupy one warp long after all others have finished:
+  /// kParts warps share them.
   CURBSTONE_HD void run(std::uint32_t window, std::uint32_t part) {
     const std::uint32_t begin = window * kWarp;
     const std::uint32_t end = smaller(begin + kWarp, votees_.size);
@@ -74,7 +75,7 @@ class WarpGather {
     }
   }
 
-  /// How many pairs run() looks at.
+  /// The number of pairs that run() tests, for all parts of the window together.
   CURBSTONE_HD std::uint64_t count_tests(std::uint32_t window) {
     const std::uint32_t begin = window * kWarp;
     const std::uint32_t end = smaller(begin + kWarp, votees_.size);
@@ -88,7 +89,7 @@ class WarpGather {
   }
 
  private:
-  /// Votees first .. last - 1 are one stretch; lane 0's is `begin`.
+  /// Votees first .. last - 1 are one stretch; lane 0 corresponds to votee `begin`.
   CURBSTONE_HD void gather(std::uint32_t begin, std::uint32_t first, std::uint32_t last) {
     typename Warp::template Lanes<typename Votes::Sums> sums{};
     typename Warp::template Lanes<typename Votes::Votee> votee{};
@@ -117,7 +118,7 @@ class WarpGather {
     });
   }
 
-  /// Votees that can share their voters: in one row, and not too long a stretch of it.
+  /// The end of the votees that can share their voters with `first`: in the same row, and not too long a stretch of it.
   CURBSTONE_HD std::uint32_t end_of_stretch(std::uint32_t first, std::uint32_t end) const {
     return lower_bound(votees_.keys, first, end, CellGrid::end_of_stretch(votees_.keys[first]) + 1);
   }

@@ -7,17 +7,17 @@
 namespace curbstone::tensor_voting::kernels {
 
 /// @file
-/// The inner loops of batch voting, compiled once for each instruction set. Eight votees that lie together stand in
-/// the lanes, and every voter near them is shown to all at once; where there are sixteen lanes, two voters. Few votees
-/// lie close together: few voters are near some and out of reach of the others.
+/// The inner loops of batch voting, compiled once for each instruction set. Eight neighbouring votees occupy the lanes,
+/// and each nearby voter is processed for all of them at once; with sixteen lanes, two voters at a time. A larger block
+/// would be less efficient: more voters would be near some of its votees and out of reach of the others.
 ///
-/// In float with fused multiply-add: 3e-6 of a tensor's norm, the same for any number of threads, not the same bits on
-/// every machine (VotingField's are).
+/// In float with fused multiply-add: exact to 3e-6 of a tensor's norm. The result does not depend on the number of
+/// threads. Unlike VotingField's, its bits may differ between machines.
 
 inline constexpr int kBlock = 8;
 inline constexpr int kReadAhead = 16;
 
-/// What an oriented voter has to say (second pass): e1, e3 and its stick and plate saliency.
+/// An oriented voter (second pass): e1, e3 and its stick and plate saliency.
 struct OrientedVoter {
   float normal[3];
   float stick;
@@ -52,19 +52,19 @@ struct BlockVotes {
 
 struct BatchKernel {
   const char* name;
-  /// Ball votes of the voters in `runs` for votees first .. first + count - 1, count <= kBlock: sums of w and of
-  /// w u u^T (six components). Nobody votes for a votee at its own place.
+  /// Ball votes of the voters in `runs` for votees first .. first + count - 1, count <= kBlock: sums of w and of w u
+  /// u^T (six components). A voter at the votee's own place does not vote.
   void (*ball)(const VoterArrays& voters, const VoterRun* runs, std::size_t num_runs, std::uint32_t first,
                std::uint32_t count, const BatchScale& scale, float* votes);
-  /// The same with the stick and plate votes of decomposed voters, formula (G): the tensors themselves.
+  /// The stick and plate votes of decomposed voters, formula (G): the sums are the tensors themselves.
   void (*oriented)(const VoterArrays& voters, const VoterRun* runs, std::size_t num_runs, std::uint32_t first,
                    std::uint32_t count, const BatchScale& scale, float* votes);
-  /// The weights of the voters within the radius, the votee's own included: one component.
+  /// The sum of the weights of the voters within the radius, including the votee's own: one component.
   void (*count)(const VoterArrays& voters, const VoterRun* runs, std::size_t num_runs, std::uint32_t first,
                 std::uint32_t count, const BatchScale& scale, float* votes);
 };
 
-/// The kernels that this machine can run, the fastest first.
+/// The kernels that this machine can run, fastest first.
 [[nodiscard]] std::span<const BatchKernel> batch_kernels();
 
 }  // namespace curbstone::tensor_voting::kernels

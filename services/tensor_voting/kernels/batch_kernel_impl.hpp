@@ -1,6 +1,6 @@
 // The source of every batch kernel: compiled by batch_kernel_<isa>.cpp with that instruction set's flags, which define
 // CURBSTONE_KERNEL. It must not call inline functions of other headers: the linker could keep the copy that was
-// compiled for a machine that we are not on.
+// compiled for another machine.
 
 #include "services/tensor_voting/kernels/batch_kernel.hpp"
 #include "services/tensor_voting/kernels/lanes.hpp"
@@ -9,11 +9,11 @@
 namespace curbstone::tensor_voting::kernels {
 namespace {
 
-constexpr int kTogether = kWidth < kBlock ? 1 : kWidth / kBlock;  // voters at once
-constexpr int kVotees = kWidth / kTogether;                       // votees at once
-constexpr int kStride = 16;                                       // times so many voters a step
+constexpr int kTogether = kWidth < kBlock ? 1 : kWidth / kBlock;  // voters at a time
+constexpr int kVotees = kWidth / kTogether;                       // votees at a time
+constexpr int kStride = 16;                                       // vectors of pairs in one step
 
-// Two voters at once take turns in the lanes: lanes 2 k and 2 k + 1 are votee k's.
+// With two voters at a time, lanes 2 k and 2 k + 1 belong to votee k.
 CURBSTONE_INLINE Floats of_votees(const float* votees) {
 #if defined(__AVX512F__)
   const auto v = load<HalfFloats>(votees);
@@ -38,7 +38,7 @@ CURBSTONE_INLINE void add_to_votees(float* votees, Floats sum) {
   store(votees, load<Floats>(votees) + sum);
 #endif
 }
-/// What `of` says of the voters at `index`.
+/// Loads the values `of` for the voters at `index`.
 template <class Of>
 CURBSTONE_INLINE Floats of_voters(const std::uint32_t* index, const Of& of) {
   float voters[kTogether];
@@ -47,7 +47,7 @@ CURBSTONE_INLINE Floats of_voters(const std::uint32_t* index, const Of& of) {
 }
 
 /// exp(-decay d2), to 3e-6: a power of two times 2^f, -1/2 <= f <= 1/2, by its minimax polynomial of degree 4. Unless
-/// it is `far`, for decay d2 <= kLimit only.
+/// `far`, it is valid only for decay d2 <= kLimit.
 template <bool far>
 struct Gauss {
   static constexpr float kLimit = 87;
@@ -71,7 +71,7 @@ struct Gauss {
   }
 };
 
-/// Of voters that are only counted.
+/// The decay of voters that are only counted.
 struct NoDecay {
   CURBSTONE_INLINE Floats operator()(Floats) const { return all(1); }
 };
@@ -86,7 +86,7 @@ struct Offset {
 CURBSTONE_INLINE Offset offset_of(const VoteeLanes& votee, const NearVoters& near, std::size_t i) {
   return {votee.x - of_voters(near.x + i), votee.y - of_voters(near.y + i), votee.z - of_voters(near.z + i)};
 }
-// Added to d^2, so that 1 / d^2 is finite where d is 0: nothing beside a whole step.
+// Added to d^2, so that 1 / d^2 is finite where d is 0; negligible compared with one step.
 constexpr float kTiny = 1e-9F;
 CURBSTONE_INLINE Floats squared(const Offset& d) {
   return d.z * d.z + (d.y * d.y + (d.x * d.x + kTiny));
@@ -165,7 +165,7 @@ struct OrientedSums {
   }
 };
 
-/// Weights alone.
+/// Sum of the weights alone.
 struct Count {
   static constexpr int kComponents = 1;
   static constexpr bool kCountsItself = true;
@@ -175,8 +175,8 @@ struct Count {
   CURBSTONE_INLINE void add(const Offset&, Floats, Floats w, const VoterArrays&, const std::uint32_t*) { sum[0] += w; }
 };
 
-/// Shows voters first .. last - 1 of `near` to some votees. In three steps of many voters each: voter by voter, the
-/// operations that wait for others of the same voter would fill the processor's queue, and none would be left to do.
+/// Processes voters first .. last - 1 of `near` for some votees, in three steps of many voters each. Voter by voter,
+/// the operations that depend on others of the same voter would fill the processor's queue, and it would stall.
 template <class Sums, bool weighted, class Decay>
 CURBSTONE_INLINE void show(const VoterArrays& voters, const NearVoters& near, std::size_t first, std::size_t last,
                            const VoteeLanes& votee, const Decay& decay, float radius2, Sums& sums) {

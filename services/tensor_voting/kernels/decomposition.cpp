@@ -12,8 +12,8 @@ namespace {
 
 using Matrix = std::array<std::array<double, 3>, 3>;
 
-/// One Jacobi rotation in the plane of axes p and q: `a` loses its element (p, q), the columns of `v` turn along. An
-/// element up to `nothing` is as good as lost.
+/// One Jacobi rotation in the plane of axes p and q: it zeroes element (p, q) of `a` and rotates the columns of `v`. An
+/// element up to `nothing` counts as zero.
 inline void rotate(Matrix& a, Matrix& v, std::size_t p, std::size_t q, double nothing) {
   if (std::abs(a[p][q]) <= nothing) return;
   // t = tan of the angle that zeroes a[p][q], the smaller root of t^2 + 2 t theta - 1 = 0 (Golub & Van Loan, 8.5.2).

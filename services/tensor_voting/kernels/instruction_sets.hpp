@@ -8,7 +8,7 @@
 namespace curbstone::tensor_voting::kernels {
 
 #ifdef __x86_64__
-/// Of three builds of one kernel those that this machine can run, the fastest first.
+/// Of three builds of one kernel, those that this machine can run, fastest first.
 template <class Kernel>
 std::vector<Kernel> usable(const Kernel* avx512, const Kernel* avx2, const Kernel* baseline) {
   std::vector<Kernel> kernels;
@@ -23,8 +23,8 @@ std::vector<Kernel> usable(const Kernel* avx512, const Kernel* avx2, const Kerne
 }
 #endif
 
-/// Of these builds that of an instruction set, "avx2" for example; the fastest if it has no name. Throws
-/// std::invalid_argument where this machine has no such.
+/// The build for the named instruction set, "avx2" for example; the fastest if the name is empty. Throws
+/// std::invalid_argument if this machine cannot run it.
 template <class Kernel>
 const Kernel& kernel_for(std::span<const Kernel> kernels, const std::string& name) {
   std::string names;

@@ -1,5 +1,5 @@
-// Vectors as wide as the instruction set that a kernel's source is compiled for. For kernel sources only: everything is
-// in an unnamed namespace, so that no copy compiled for one machine can be linked into code for another.
+// Vectors as wide as the instruction set for which a kernel's source is compiled. For kernel sources only: everything
+// is in an unnamed namespace, so that a copy compiled for one machine cannot be linked into code for another.
 #pragma once
 
 #if defined(__x86_64__)
@@ -49,10 +49,10 @@ CURBSTONE_INLINE void store(void* to, const Vector& v) {
 }
 
 CURBSTONE_INLINE Floats all(float v) {
-  return v - Floats{};  // v + 0 would be another number where v is -0
+  return v - Floats{};  // v + 0 would change -0 to +0
 }
 
-/// Wrapping differences of coordinates.
+/// Differences of coordinates, which may wrap.
 CURBSTONE_INLINE Floats difference(Ints a, std::int32_t b) {
   const Words d = __builtin_bit_cast(Words, a) - static_cast<std::uint32_t>(b);
   return __builtin_convertvector(__builtin_bit_cast(Ints, d), Floats);
@@ -73,10 +73,11 @@ CURBSTONE_INLINE Mask below(Mask mask, Floats a, Floats b) {
   return mask & (a < b);
 #endif
 }
-/// low <= a < high; none of them below 0. Such floats are in the order of their bits: one comparison does for both.
+/// low <= a < high; none of them is below 0. The order of such floats is the order of their bits: one comparison
+/// suffices.
 CURBSTONE_INLINE Mask between(float low, Floats a, float high) {
   constexpr std::uint32_t kLowest = 1U << 31;
-  const std::uint32_t from_low = kLowest - __builtin_bit_cast(std::uint32_t, low);  // what is below wraps to the top
+  const std::uint32_t from_low = kLowest - __builtin_bit_cast(std::uint32_t, low);  // values below wrap to the top
   const Ints bits = __builtin_bit_cast(Ints, __builtin_bit_cast(Words, a) + from_low);
   const Ints limit = Ints{} + static_cast<std::int32_t>(__builtin_bit_cast(std::uint32_t, high) + from_low);
 #if defined(__AVX512F__)
@@ -103,7 +104,7 @@ CURBSTONE_INLINE Floats keep(Mask mask, Floats a) {
 #endif
 }
 
-/// A bit a lane.
+/// One bit for each lane.
 CURBSTONE_INLINE unsigned bits(Mask mask) {
 #if defined(__AVX512F__)
   return mask;
@@ -118,7 +119,7 @@ CURBSTONE_INLINE unsigned bits(Mask mask) {
 #endif
 }
 
-/// Correctly rounded.
+/// The correctly rounded square root.
 CURBSTONE_INLINE Floats root(Floats a) {
 #if defined(__AVX512F__)
   return __builtin_bit_cast(Floats, _mm512_sqrt_ps(__builtin_bit_cast(__m512, a)));
@@ -132,7 +133,7 @@ CURBSTONE_INLINE Floats root(Floats a) {
 #endif
 }
 
-/// To the nearest whole number, halves to even; |a| < 2^31.
+/// Rounds to the nearest integer, halves to even; |a| < 2^31.
 CURBSTONE_INLINE Ints rounded(Floats a) {
 #if defined(__AVX512F__)
   return __builtin_bit_cast(Ints, _mm512_cvtps_epi32(__builtin_bit_cast(__m512, a)));
@@ -148,7 +149,7 @@ CURBSTONE_INLINE Ints rounded(Floats a) {
 }
 
 #if defined(__AVX2__) && !defined(__AVX512F__)
-/// For each set of lanes: the lanes that are in it, side by side.
+/// For each set of lanes: the indices of its lanes, packed.
 struct PackedLanes {
   std::uint8_t lane[256][8] = {};
   constexpr PackedLanes() {
@@ -163,7 +164,7 @@ struct PackedLanes {
 constexpr PackedLanes kPackedLanes;
 #endif
 
-/// Writes the lanes of the mask side by side; up to kWidth elements at `to` may be overwritten.
+/// Writes the lanes of the mask contiguously; up to kWidth elements at `to` may be overwritten.
 template <class Vector>
 CURBSTONE_INLINE void store_packed(void* to, Mask mask, const Vector& v) {
 #if defined(__AVX512F__)

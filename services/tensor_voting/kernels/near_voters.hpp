@@ -1,4 +1,4 @@
-// Part of every batch kernel's source (batch_kernel_impl.hpp): which voters are near a block of votees.
+// Part of every batch kernel's source (batch_kernel_impl.hpp): finds the voters near a block of votees.
 #pragma once
 
 #include "services/tensor_voting/kernels/batch_kernel.hpp"
@@ -9,14 +9,14 @@ namespace {
 
 constexpr float kStepsPerUnit = 1 << 20;
 
-/// A few votees side by side, in steps from their middle. Places in use for nobody repeat the first votee; their sums
-/// are not looked at.
+/// Several neighbouring votees, in steps from their middle. Unused lanes repeat the first votee; their sums are
+/// ignored.
 struct Votees {
   float x[kBlock];
   float y[kBlock];
   float z[kBlock];
   std::int32_t middle[3];
-  float extent;  // all are within it of the middle
+  float extent;  // maximum distance of a votee from the middle
 };
 
 Votees votees_of(const VoterArrays& voters, std::uint32_t first, std::uint32_t count) {
@@ -50,7 +50,7 @@ Votees votees_of(const VoterArrays& voters, std::uint32_t first, std::uint32_t c
   return votees;
 }
 
-/// The voters that can reach a block of votees, in steps from its middle.
+/// The voters that can reach a block of votees, in steps from the block's middle.
 struct NearVoters {
   static constexpr std::size_t kCapacity = 1024;
   std::size_t size = 0;
@@ -59,14 +59,14 @@ struct NearVoters {
   float z[kCapacity + kWidth];
   std::uint32_t index[kCapacity + kWidth];
 
-  /// Takes voters from the front of `run`, until the run or the room is used up.
+  /// Takes voters from the front of `run` until the run or the free space is used up.
   template <bool indexed>
   CURBSTONE_INLINE void collect(const VoterArrays& voters, VoterRun& run, const Votees& votees, float reach) {
     constexpr auto kStep = static_cast<std::uint32_t>(kWidth);
     Ints lane;
     for (int i = 0; i < kWidth; ++i) lane[i] = i;
     const std::int32_t middle[3] = {votees.middle[0], votees.middle[1], votees.middle[2]};
-    std::size_t end = size;  // in a register: every step waits for the one before it
+    std::size_t end = size;  // in a register: each step depends on the one before
     std::uint32_t next = run.begin;
     const std::uint32_t last = run.begin + run.count;
     for (; next < last && end <= kCapacity - kStep; next += kStep) {
@@ -86,7 +86,7 @@ struct NearVoters {
     size = end;
     run = {next, next < last ? last - next : 0};
   }
-  /// Makes their number a multiple of `of` by voters at (far, 0, 0).
+  /// Pads the number of voters to a multiple of `of` with voters at (far, 0, 0).
   CURBSTONE_INLINE void pad(std::size_t of, float far) {
     for (; size % of != 0; ++size) x[size] = far, y[size] = z[size] = 0, index[size] = 0;
   }

@@ -5,28 +5,28 @@
 
 namespace curbstone::tensor_voting::kernels {
 
-/// A symmetric 3x3 tensor, and the mass W = sum of w(d) of the votes in it. The identity that some codes give every
-/// point to begin with (T0) is left out: it only adds to the ball, so that shares would depend on density.
+/// A symmetric 3x3 tensor, and the mass W = sum w(d) of its votes. The identity that some implementations give every
+/// point initially (T0) is left out: it only adds to the ball, and shares would then depend on density.
 template <class Scalar>
 struct BasicTensor {
   Scalar xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
   Scalar mass = 0;
 };
 using Tensor = BasicTensor<double>;
-using TensorF = BasicTensor<float>;  ///< of a cloud's many points
+using TensorF = BasicTensor<float>;  ///< for the many points of a cloud
 
 [[nodiscard]] inline TensorF to_float(const Tensor& t) {
   const auto f = [](double v) { return static_cast<float>(v); };
   return {f(t.xx), f(t.xy), f(t.xz), f(t.yy), f(t.yz), f(t.zz), f(t.mass)};
 }
 
-/// Sums of votes in fixed point. Sums of integers do not depend on their order, so that neither arrival, nor the number
-/// of threads or workers, nor what was added and taken away in between leaves a trace in them.
+/// Sums of votes in fixed point. Sums of integers do not depend on their order. The result is therefore independent of
+/// the order of arrival, the number of threads or workers, and anything that was added and removed in between.
 ///
-/// One vote is at most 1, that is 2^27 units; 2^28 voters fit (SettledSums). A vote is rounded to the nearest unit:
-/// 3e-5 of the weakest vote there is (w(3 sigma) = 1.2e-4), 1e-9 of a usual sum.
+/// One vote is at most 1, that is 2^27 units; 2^28 voters fit (SettledSums). A vote is rounded to the nearest unit: an
+/// error of 3e-5 of the weakest possible vote (w(3 sigma) = 1.2e-4), 1e-9 of a typical sum.
 struct VoteSums {
-  enum Component { kMass, kXX, kXY, kXZ, kYY, kYZ, kCount };  ///< of sum w and of sum w u u^T; zz = mass - xx - yy
+  enum Component { kMass, kXX, kXY, kXZ, kYY, kYZ, kCount };  ///< sum of w and sums of w u u^T; zz = mass - xx - yy
   std::array<std::int64_t, kCount> value{};
 
   bool operator==(const VoteSums&) const = default;

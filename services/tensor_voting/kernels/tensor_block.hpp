@@ -9,7 +9,7 @@
 
 namespace curbstone::tensor_voting::kernels {
 
-/// kLanes tensors side by side, component after component, as VoteKernel::decompose takes them.
+/// kLanes tensors side by side, component after component, in the layout of VoteKernel::decompose.
 struct TensorBlock {
   float component[6 * kLanes];  ///< xx xy xz yy yz zz
   float mass[kLanes];
@@ -26,7 +26,7 @@ struct TensorBlock {
 };
 static_assert(sizeof(TensorBlock) == kTensorFloats * sizeof(float));
 
-/// What they are taken apart into.
+/// The decompositions of a TensorBlock.
 struct ShapeBlock {
   float component[9 * kLanes];  ///< normal, tangent, stick, plate, ball
 
@@ -37,7 +37,7 @@ struct ShapeBlock {
 };
 static_assert(sizeof(ShapeBlock) == kShapeFloats * sizeof(float));
 
-/// Takes tensors apart, shapes[i] of tensors[i].
+/// Decomposes tensors: shapes[i] of tensors[i].
 inline void decompose(std::span<const TensorBlock> tensors, std::span<ShapeBlock> shapes,
                       const VoteKernel& kernel = vote_kernels()[0]) {
   if (tensors.empty()) return;

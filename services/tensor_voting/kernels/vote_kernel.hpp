@@ -9,8 +9,8 @@
 
 namespace curbstone::tensor_voting::kernels {
 
-/// A position in whole steps. What a step is, is the caller's affair (2 mm in the map). Differences of positions are
-/// exact, however far from the origin they are; they wrap, so that a map may lie anywhere.
+/// A position in whole steps. The caller defines the length of a step (2 mm in the map). Differences of positions are
+/// exact at any distance from the origin; they wrap, so a map may lie anywhere.
 struct StepPoint {
   std::int32_t x = 0;
   std::int32_t y = 0;
@@ -29,7 +29,7 @@ struct Decay {
 
 inline constexpr int kLanes = 16;
 
-/// A block's recent sums hold the votes of so many others; then they must settle.
+/// A block's recent sums can hold this many votes; then they must settle.
 inline constexpr int kMaxRecent = 15;
 
 /// b - a of coordinates, which may wrap.
@@ -37,9 +37,9 @@ inline constexpr int kMaxRecent = 15;
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(b) - static_cast<std::uint32_t>(a));
 }
 
-/// Sixteen voters side by side, and the votes that they have received lately. They stand within 2^13 steps of the
-/// first, and whom the block is shown to does. A lane in use for nobody holds kNowhereNear, which is too far away to
-/// give or to receive a vote. What every exchange touches lies together.
+/// Sixteen voters side by side, and the votes that they received recently. The voters lie within 2^13 steps of the
+/// first one, and so must every point with which the block exchanges votes. An unused lane holds kNowhereNear, which is
+/// too far away to give or to receive a vote. All data that an exchange accesses lies together.
 struct alignas(64) VoterBlock {
   static constexpr std::int16_t kNowhereNear = 0x7fff;
   std::array<std::int16_t, kLanes> x;  ///< from the first voter
@@ -50,7 +50,7 @@ struct alignas(64) VoterBlock {
   std::int32_t num_voters = 0;
   alignas(64) std::array<std::array<std::int32_t, kLanes>, VoteSums::kCount> recent{};
 
-  /// Takes one voter more; there must be a lane left. Returns its lane.
+  /// Adds a voter; there must be a free lane. Returns its lane.
   std::size_t push_back(const StepPoint& at) {
     const auto lane = static_cast<std::size_t>(num_voters++);
     if (lane == 0) {
@@ -71,8 +71,8 @@ struct alignas(64) VoterBlock {
 
 static_assert(sizeof(VoterBlock) == 512);
 
-/// What a block has received before that, in whole units of 2^kSettledBits: 32 bits do. What is less than such a unit
-/// stays among the recent sums, beside which kMaxRecent votes still fit.
+/// The votes that a block received earlier, in units of 2^kSettledBits, for which 32 bits suffice. The remainder below
+/// one unit stays in the recent sums, which still have room for kMaxRecent votes.
 struct alignas(64) SettledSums {
   std::array<std::array<std::int32_t, kLanes>, VoteSums::kCount> value{};
 };
@@ -89,7 +89,7 @@ static_assert(kMaxRecent * std::int64_t{1 << 27} + kLessThanSettled <= INT32_MAX
     result.value[c] = sum_of(settled.value[c][lane], block.recent[c][lane]);
   return result;
 }
-/// Of a lane that has received nothing.
+/// Sets the sums of a lane that has received nothing.
 inline void set_sums(const VoteSums& sums, VoterBlock& block, SettledSums& settled, std::size_t lane) {
   for (std::size_t c = 0; c < VoteSums::kCount; ++c) {
     settled.value[c][lane] = static_cast<std::int32_t>(sums.value[c] >> kSettledBits);
@@ -100,30 +100,31 @@ inline void set_sums(const VoteSums& sums, VoterBlock& block, SettledSums& settl
 inline constexpr std::size_t kTensorFloats = 7 * kLanes;
 inline constexpr std::size_t kShapeFloats = 9 * kLanes;
 
-/// A block that may hold voters within reach, and how many votes it has been given.
+/// A block that may hold voters within reach, and the number of votes given to it.
 struct NearBlock {
   VoterBlock* block = nullptr;
   SettledSums* settled = nullptr;
   std::int64_t pairs = 0;
 };
 
-/// The inner loops, compiled once for each instruction set. All give the same bits: they add, multiply, divide and take
-/// roots in float, which IEEE 754 rounds in one way only.
+/// The inner loops, compiled once for each instruction set. All give the same bits: they use only float additions,
+/// multiplications, divisions and roots, whose rounding IEEE 754 defines uniquely.
 ///
-/// d^2 < radius2 is asked of a float: exact while radius < 2^12 steps in each direction.
+/// d^2 < radius2 is evaluated in float: exact while radius < 2^12 steps in each direction.
 struct VoteKernel {
   const char* name;
-  /// Votes between a voter at `at` and all in the blocks of `near`, both ways: the blocks get `sign` (1, or -1 to take
-  /// the votes back) times them, and so does `sums`. Adds to the blocks' `pairs` and returns how many there were.
+  /// Votes between a voter at `at` and all voters in the blocks of `near`, in both directions: `sign` times the votes
+  /// are added to the blocks and to `sums`. `sign` is 1, or -1 to take votes back. Adds the number of pairs to the
+  /// blocks' `pairs` and returns their total.
   std::int64_t (*exchange)(const Decay& decay, const StepPoint& at, float sign, NearBlock* near, std::size_t num_near,
                            std::int64_t* sums);
-  /// Takes blocks of kLanes tensors apart, by Jacobi rotations. In: kTensorFloats a block, xx, xy, xz, yy, yz, zz and
-  /// one that is not looked at, kLanes floats each. Out: kShapeFloats, normal and tangent (x, y, z), shares of stick,
-  /// plate and ball. A tensor without votes gives what BasicDecomposition begins with.
+  /// Decomposes blocks of kLanes tensors by Jacobi rotations. Input: kTensorFloats a block: xx, xy, xz, yy, yz, zz and
+  /// one that is ignored, kLanes floats each. Output: kShapeFloats a block: normal and tangent (x, y, z), shares of
+  /// stick, plate and ball. A tensor without votes gives the initial values of BasicDecomposition.
   void (*decompose)(const float* tensors, float* shapes, std::size_t blocks);
 };
 
-/// The kernels that this machine can run, the fastest first.
+/// The kernels that this machine can run, fastest first.
 [[nodiscard]] std::span<const VoteKernel> vote_kernels();
 
 }  // namespace curbstone::tensor_voting::kernels

@@ -1,7 +1,7 @@
 // The source of every vote kernel: compiled by vote_kernel_<isa>.cpp with that instruction set's flags, which define
 // CURBSTONE_KERNEL. It must not call inline functions of other headers: the linker could keep the copy that was
-// compiled for a machine that we are not on. Additions, multiplications, divisions and roots are written out one by
-// one, and nothing may fuse them (-ffp-contract=off): that is what makes the bits the same everywhere.
+// compiled for another machine. Additions, multiplications, divisions and roots are written out one by one, and nothing
+// may fuse them (-ffp-contract=off), so that the bits are the same everywhere.
 
 #include "services/tensor_voting/kernels/lanes.hpp"
 #include "services/tensor_voting/kernels/vote_kernel.hpp"
@@ -33,7 +33,7 @@ struct Votes {
   Ints component[VoteSums::kCount];
 };
 
-/// What votes at some distances weigh, in units. Lanes out of reach have no weight, and 1 as their distance.
+/// The weights of votes at some distances, in units. Lanes out of reach have weight 0 and distance 1.
 struct Weights {
   Floats squared;
   Floats w;
@@ -45,8 +45,8 @@ CURBSTONE_INLINE Weights weights_at(const Decay& decay, float sign, const Offset
   return {squared, keep(mask, power_of_two(choose(below(all(-126), y), y, all(-126))) * (sign * kUnitsPerVote))};
 }
 
-/// The votes between two points at offsets `d`. Neither end can tell which one it is: the offset enters by products of
-/// two of its components only.
+/// The votes between two points at offsets `d`. They are the same for both ends, because the offset enters only by
+/// products of two of its components.
 CURBSTONE_INLINE Votes votes_at(const Offsets& d, const Weights& weights) {
   const Floats w = weights.w;
   const Floats g = w / weights.squared;
@@ -62,7 +62,7 @@ CURBSTONE_INLINE Votes votes_at(const Offsets& d, const Weights& weights) {
   return votes;
 }
 
-/// Moves what a block has received lately to its sums, rounding down.
+/// Moves a block's recent sums to its settled sums, rounding down.
 void settle(VoterBlock* block, SettledSums* settled) {
   auto* const recent = reinterpret_cast<std::int32_t*>(&block->recent);
   auto* const sums = reinterpret_cast<std::int32_t*>(settled);
@@ -83,7 +83,7 @@ CURBSTONE_INLINE std::int64_t total_of(Ints recent) {
   return total;
 }
 
-/// What the voter itself receives: 32-bit sums that settle now and then.
+/// The votes that the voter itself receives: 32-bit sums that settle regularly.
 struct OwnSums {
   std::int64_t* settled;
   Ints recent[VoteSums::kCount] = {};
@@ -99,13 +99,14 @@ struct OwnSums {
   }
 };
 
-/// From `at` to voters of a block, along an axis. Their first one's place and `at` may be on either side of a wrap.
+/// Offsets along one axis from `at` to voters of a block. The block's first voter and `at` may be on different sides of
+/// a wrap.
 CURBSTONE_INLINE Floats along(const std::int16_t* from_first, std::int32_t first, std::int32_t at) {
   const auto to_first = static_cast<std::int32_t>(static_cast<std::uint32_t>(first) - static_cast<std::uint32_t>(at));
   return __builtin_convertvector(__builtin_convertvector(load<Shorts>(from_first), Ints) + to_first, Floats);
 }
 
-/// From the voter to some of a block's.
+/// Offsets from the voter to some voters of a block.
 CURBSTONE_INLINE Offsets offsets_to(const VoterBlock* block, int lane, const StepPoint& at) {
   const auto* const x = reinterpret_cast<const std::int16_t*>(block) + lane;
   Offsets d;
@@ -120,9 +121,9 @@ CURBSTONE_INLINE Mask within_reach(const Decay& decay, const Offsets& d) {
   return below(below(d.squared, all(decay.radius2)), Floats{}, d.squared);
 }
 
-constexpr int kVectors = kLanes / kWidth;  // to a block
+constexpr int kVectors = kLanes / kWidth;  // of a block
 
-/// The votes between one voter and a block, both ways.
+/// The votes between one voter and a block, in both directions.
 CURBSTONE_INLINE void exchange_block(const StepPoint& at, const Weights* weights, const NearBlock* near, OwnSums& own) {
   auto* const received = reinterpret_cast<std::int32_t*>(&near->block->recent);
 #pragma GCC unroll 4
@@ -139,8 +140,8 @@ CURBSTONE_INLINE void exchange_block(const StepPoint& at, const Weights* weights
   if (++near->block->num_recent == kMaxRecent) settle(near->block, near->settled);
 }
 
-/// The votes between one voter and some blocks: first what they weigh, then the rest. Block by block, the operations
-/// that wait for others of the same block would fill the processor's queue.
+/// The votes between one voter and some blocks: first all weights, then the rest. Block by block, the operations that
+/// depend on others of the same block would fill the processor's queue.
 CURBSTONE_INLINE void exchange_blocks(const Decay& decay, const StepPoint& at, float sign,
                                       const NearBlock* const* blocks, std::size_t num_blocks, OwnSums& own) {
   constexpr std::size_t kAStep = 8;
@@ -157,8 +158,8 @@ CURBSTONE_INLINE void exchange_blocks(const Decay& decay, const StepPoint& at, f
   }
 }
 
-/// First which blocks have a voter within reach, then the votes: whether the next one has cannot be predicted, and a
-/// wrong guess costs as much as a block of votes.
+/// Finds first which blocks have a voter within reach, and then computes the votes: the result of that test cannot be
+/// predicted, and a branch misprediction costs as much as the votes of a block.
 std::int64_t exchange(const Decay& decay, const StepPoint& at, float sign, NearBlock* near, std::size_t num_near,
                       std::int64_t* sums) {
   constexpr std::size_t kAtOnce = 64;
@@ -185,7 +186,7 @@ std::int64_t exchange(const Decay& decay, const StepPoint& at, float sign, NearB
   return total;
 }
 
-/// Symmetric matrices on their way to diagonal form, and the axes that they are seen from.
+/// Symmetric matrices during diagonalisation, and the axes of their present coordinates.
 struct Matrices {
   Floats d[3];     // the diagonal
   Floats off[3];   // off[r]: the element that is neither in row nor column r
@@ -203,7 +204,7 @@ CURBSTONE_INLINE void rotate(Matrices& m) {
   constexpr int p = r == 0 ? 1 : 0;
   constexpr int q = r == 2 ? 1 : 2;
   constexpr float kTiny = 1e-30F;    // so that 0 / 0 is 0
-  constexpr float kNothing = 1e-9F;  // of a trace of 1: its square would be a denormal, which is slow to handle
+  constexpr float kNothing = 1e-9F;  // relative to a trace of 1: its square would be a denormal, which is slow
   m.off[r] = keep(below(all(kNothing), size_of(m.off[r])), m.off[r]);
   const Floats a = m.d[q] - m.d[p];
   const Floats b = m.off[r] + m.off[r];
@@ -225,7 +226,7 @@ CURBSTONE_INLINE void rotate(Matrices& m) {
   }
 }
 
-/// Puts the larger eigenvalue first; of equal ones the steeper axis.
+/// Puts the larger eigenvalue first; of equal eigenvalues, the one with the steeper axis.
 CURBSTONE_INLINE void order(Matrices& m, int first, int second) {
   const Mask larger = below(m.d[first], m.d[second]);
   const Mask smaller = below(m.d[second], m.d[first]);
@@ -240,7 +241,7 @@ CURBSTONE_INLINE void order(Matrices& m, int first, int second) {
   for (int i = 0; i < 3; ++i) exchange(m.v[first][i], m.v[second][i]);
 }
 
-/// Of unit length, in the upper half space: z > 0, if z = 0 then y > 0, if that is 0 too x > 0.
+/// Stores a vector as unit vector in the upper half space: z > 0; if z = 0 then y > 0; if that is 0 too, x > 0.
 CURBSTONE_INLINE void store_upper(const Floats* v, Mask valid, const float* otherwise, float* to) {
   const Floats length = root(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
   Floats sign = choose(below(v[0], Floats{}), all(-1), all(1));
@@ -249,7 +250,7 @@ CURBSTONE_INLINE void store_upper(const Floats* v, Mask valid, const float* othe
   for (int i = 0; i < 3; ++i) store(to + i * kLanes, choose(valid, v[i] * sign / length, all(otherwise[i])));
 }
 
-/// Tensors of trace 1, and which of them were any to begin with.
+/// Loads tensors, scaled to trace 1. Returns which of them have votes.
 CURBSTONE_INLINE Mask load_scaled(const float* tensors, Matrices& m) {
   const auto element = [&](int i) { return load<Floats>(tensors + i * kLanes); };  // xx xy xz yy yz zz
   const Floats trace = element(0) + element(3) + element(5);
@@ -278,7 +279,7 @@ CURBSTONE_INLINE void store_shapes(Matrices& m, Mask valid, float* shapes) {
   store(shapes + 8 * kLanes, keep(valid, m.d[2] / largest));
 }
 
-/// Roots and divisions take long to arrive: several vectors of tensors are on their way at once.
+/// Roots and divisions have a long latency: several vectors of tensors are processed at the same time.
 template <std::size_t count>
 CURBSTONE_INLINE void decompose_together(const float* const* tensors, float* const* shapes) {
   constexpr int kSweeps = 4;

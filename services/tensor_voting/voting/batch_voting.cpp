@@ -21,15 +21,15 @@ namespace curbstone::tensor_voting::voting {
 
 namespace {
 
-/// m. Beyond 16 sigma a vote is e^-256: nothing in float.
+/// m. Beyond 16 sigma a vote is e^-256, which is zero in float.
 double cut_off(const VotingParameters& parameters) {
   return std::min(parameters.radius, 16 * parameters.sigma);
 }
 
-/// Blocks of votees that one thread deals with at a time.
+/// Number of blocks of votees that one thread processes at a time.
 constexpr std::size_t kBlocksAtOnce = 32;
 
-/// What neighbours in the order of the cells have received: component after component, as in BlockVotes.
+/// The votes received by neighbours in the order of the cells: component after component, as in BlockVotes.
 struct Received {
   static constexpr std::size_t kMost = kBlocksAtOnce * kernels::kBlock;
   std::uint32_t first = 0;
@@ -44,7 +44,7 @@ struct Received {
   }
 };
 
-/// The voters sorted by cell, with whatever they need to vote.
+/// The voters sorted by cell, with the data that they need to vote.
 class Assembly {
  public:
   using Vote = decltype(kernels::BatchKernel::ball);
@@ -52,8 +52,9 @@ class Assembly {
   Assembly(CellList& cells, std::span<const WidePoint> voters, double radius_in_steps, int threads)
       : cells_(&cells), reach_(2), threads_(threads) {
     cells.divide(voters, edge_for(radius_in_steps / 2));
-    // Cells of half the radius look at the fewest voters out of reach. But a block of votees is of one cell: where
-    // points are few, larger cells fill it better. The map is made of surfaces: twice the edge, four times the points.
+    // Cells of half the radius test the fewest voters out of reach. But all votees of a block are of one cell: where
+    // points are few, larger cells fill it better. Points of a map lie on surfaces: twice the edge gives four times the
+    // points.
     constexpr double kEnough = 2 * kernels::kBlock;
     const double occupancy = static_cast<double>(voters.size()) / static_cast<double>(cells_->cells().size());
     if (occupancy < kEnough) {
@@ -70,7 +71,7 @@ class Assembly {
   void weigh(const std::vector<float>& weights) { arrays_.weight = weights.data(); }
   void orient(const std::vector<kernels::OrientedVoter>& voters) { arrays_.oriented = voters.data(); }
 
-  /// Has every voter voted for. `take(received)` is called by any thread, for a few neighbours at a time.
+  /// Computes the votes for every voter. `take(received)` is called by any thread, for a few neighbours at a time.
   template <class Take>
   void run(Vote vote, const kernels::BatchScale& scale, const Take& take) const {
     const auto& blocks = cells_->blocks();
@@ -116,7 +117,7 @@ Tensors from_ball_votes(const Received& received, float ball) {
     kernels::TensorBlock& t = tensors[block];
     for (std::size_t lane = 0; lane < kernels::kLanes; ++lane) {
       const auto sum = [&](std::size_t c) { return received.sum[c][block * kernels::kLanes + lane]; };
-      const float w = sum(0);  // then w u u^T
+      const float w = sum(0);  // the sums of w u u^T follow
       const float components[] = {w - ball * sum(1), -ball * sum(2), -ball * sum(3),
                                   w - ball * sum(4), -ball * sum(5), w - ball * (w - sum(1) - sum(4))};
       for (std::size_t c = 0; c < 6; ++c) t.component[c * kernels::kLanes + lane] = components[c];
@@ -138,11 +139,11 @@ Tensors from_oriented_votes(const Received& received) {
   return tensors;
 }
 
-/// Of each voter, in the order in which voters were given.
+/// The results of each voter, in the order in which the voters were given.
 struct VoterResults {
   std::span<kernels::TensorF> tensors;
   std::span<kernels::DecompositionF> decompositions;
-  const kernels::VoteKernel& kernel;  // takes tensors apart
+  const kernels::VoteKernel& kernel;  // decomposes the tensors
 
   void take(const CellList& cells, const Received& received, const Tensors& of_blocks) const {
     std::array<kernels::ShapeBlock, kTensorBlocks> shapes;
@@ -209,13 +210,13 @@ void require_voxel(const VotingParameters& parameters) {
 
 }  // namespace
 
-/// What a vote needs, and the memory for the next one.
+/// The working memory of a vote, kept for the next one.
 struct BatchVoter::Room {
   StepCloud cloud;
-  std::optional<Thinning> thinning;  // without: everybody votes
-  std::vector<WidePoint> voters;     // with
+  std::optional<Thinning> thinning;  // nothing: every point votes
+  std::vector<WidePoint> voters;     // used with thinning
   CellList cells;
-  std::vector<kernels::TensorF> tensors;  // of the voters, where not every point is one
+  std::vector<kernels::TensorF> tensors;  // of the voters, if not every point votes
   std::vector<kernels::DecompositionF> decompositions;
 
   void thin(double voxel) {
@@ -226,11 +227,11 @@ struct BatchVoter::Room {
     for (const std::uint32_t i : thinning->voters) voters.push_back(cloud.points[i]);
   }
   Assembly assemble(const VotingParameters& parameters, const BatchOptions& options, int threads) {
-    // Density equalised over sigma / 2 must see that far even where the cut-off is nearer.
+    // Density equalisation over sigma / 2 needs at least that radius, even if the cut-off is shorter.
     const double radius = std::max(cut_off(parameters), options.equalise_density ? parameters.sigma / 2 : 0.0);
     return {cells, thinning ? voters : cloud.points, radius / cloud.step, threads};
   }
-  /// From voters to points.
+  /// Copies the results of the voters to the points.
   void spread(CloudVotes& votes) const {
     for (std::uint32_t i = 0; i < cloud.points.size(); ++i) {
       const std::uint32_t voter = thinning ? thinning->voter_of_point[i] : i;
@@ -250,7 +251,7 @@ void BatchVoter::vote(std::span<const Eigen::Vector3d> points, const VotingParam
   validate(parameters);
   require_voxel(parameters);
   const kernels::VoteKernel& kernel = kernels::kernel_for(kernels::vote_kernels(), options.kernel);
-  // Memory that nobody has touched yet takes as long to get as the points take to sort.
+  // Memory that was never touched takes as long to get as sorting the points.
   const bool at_hand = votes.tensors.capacity() >= points.size() && votes.decompositions.capacity() >= points.size();
   auto results = std::async(threads > 1 && !at_hand ? std::launch::async : std::launch::deferred, [&] {
     votes.tensors.resize(points.size());
@@ -279,7 +280,7 @@ void BatchVoter::vote(std::span<const Eigen::Vector3d> points, const VotingParam
   }
   votes.num_voters = assembly.cells().source().size();
   results.get();
-  if (votes.num_voters == points.size()) {  // voter by voter is point by point
+  if (votes.num_voters == points.size()) {  // voters and points are the same
     vote_all(assembly, room.cloud, parameters, options, {votes.tensors, votes.decompositions, kernel});
     return;
   }

@@ -11,7 +11,7 @@ namespace curbstone::tensor_voting::voting {
 
 namespace {
 
-/// Ascending keys sort by z, then y, then x. Indices have 21 bits.
+/// The sort key of a cell: ascending keys are ordered by z, then y, then x. Indices have 21 bits.
 std::uint64_t key_of(std::int32_t x, std::int32_t y, std::int32_t z) {
   const auto bits = [](std::int32_t v) { return static_cast<std::uint64_t>(v); };
   return bits(z) << 42 | bits(y) << 21 | bits(x);
@@ -22,7 +22,7 @@ std::uint64_t row_key(std::int32_t y, std::int32_t z) {
 
 }  // namespace
 
-/// The cells of a box of points, counted from its lowest corner.
+/// The lattice of cells over the bounding box of the points, counted from its lowest corner.
 struct CellList::Lattice {
   WidePoint low;
   WidePoint high;
@@ -51,7 +51,7 @@ struct CellList::Lattice {
 
 namespace {
 
-/// Coordinates are low bits: they wrap, but differences within a cell do not.
+/// Difference of coordinates of which only the low bits are stored: they wrap, but differences within a cell do not.
 std::int32_t minus(std::int32_t a, std::int32_t b) {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b));
 }
@@ -59,15 +59,15 @@ std::int32_t plus(std::int32_t a, std::int32_t b) {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) + static_cast<std::uint32_t>(b));
 }
 
-/// Where block `i` of `blocks` begins among `count` points: sizes that differ by one at most.
+/// The first point of block `i` of `blocks` among `count` points; block sizes differ by at most one.
 std::uint32_t block_begin(std::uint32_t i, std::uint32_t blocks, std::uint32_t count) {
   return static_cast<std::uint32_t>(std::uint64_t{count} * i / blocks);
 }
 
 }  // namespace
 
-/// Orders the items of blocks first .. last - 1 of a cell so that each block is compact: halves along the longest side,
-/// again and again.
+/// Orders the items of blocks first .. last - 1 of a cell so that each block is compact: divides them recursively in
+/// halves along the longest side.
 void CellList::make_compact(std::span<Item> cell, std::uint32_t first, std::uint32_t last, std::uint32_t blocks) {
   if (last - first <= 1) return;
   const auto count = static_cast<std::uint32_t>(cell.size());
@@ -149,7 +149,7 @@ void CellList::fill(std::span<const WidePoint> points, int threads) {
   items_.resize(points.size());
   source_.resize(points.size());
   for (auto* v : {&x_, &y_, &z_}) v->resize(points.size() + kernels::kReadAhead);
-  for (std::uint32_t i = 0; i < points.size(); ++i) {  // those of a cell keep their order
+  for (std::uint32_t i = 0; i < points.size(); ++i) {  // points of the same cell keep their order
     const auto low = [](std::int64_t v) { return static_cast<std::int32_t>(v); };
     items_[next_[cell_of_point_[i]]++] = {{low(points[i].x), low(points[i].y), low(points[i].z)}, i};
   }
@@ -223,7 +223,7 @@ void CellList::make_blocks(int threads) {
 bool CellList::crowded(int reach, double most) const {
   std::uint32_t largest = 0;
   for (const Cell& cell : cells_) largest = std::max(largest, cell.end - cell.begin);
-  if (largest * std::pow(2.0 * reach + 1, 3) <= most) return false;  // as good as always
+  if (largest * std::pow(2.0 * reach + 1, 3) <= most) return false;  // a cheap bound that almost always holds
   double pairs = 0;
   std::vector<kernels::VoterRun> runs;
   for (const Cell& cell : cells_) {

@@ -29,8 +29,8 @@ FieldGrid::FieldGrid(const VotingParameters& parameters) {
                                 ": expected a multiple of 0.002 m that divides 3 m");
   }
   radius_ = static_cast<int>(std::ceil(parameters.radius / kPositionStep - 1e-9));
-  // Small cells waste fewer tests on pairs out of reach. But thinned voters are few: small cells would leave their
-  // blocks half empty, and memory that is touched for little is what costs most here.
+  // Small cells cause fewer tests of pairs out of reach. But there are few thinned voters, and small cells would leave
+  // their blocks half empty; the cost is dominated by memory accesses that bring little.
   cell_ = smallest_cell(radius_, voxel_ > 0 ? 1 : 2);
   cells_per_tile_ = kStepsPerTile / cell_;
   reach_ = (radius_ + cell_ - 1) / cell_;

@@ -12,7 +12,7 @@
 
 namespace curbstone::tensor_voting::voting {
 
-/// A point of a tile. Cells are found by coordinates within the tile, pairs by coordinates in the map.
+/// A point of a tile. Cells are determined from coordinates within the tile, pairs from coordinates in the map.
 struct FieldPlace {
   int x;  ///< steps from the tile's corner
   int y;
@@ -25,7 +25,7 @@ struct FieldPlace {
       : x(plus(at.x, corner(-key.x))), y(plus(at.y, corner(-key.y))), z(at.z), in_map(at) {}
 
  private:
-  /// Wraps for tiles thousands of kilometres away: only differences count.
+  /// Wraps for tiles thousands of kilometres away: only differences are used.
   static std::int32_t corner(std::int32_t tile) {
     return static_cast<std::int32_t>(static_cast<std::uint32_t>(tile) * kStepsPerTile);
   }
@@ -34,7 +34,7 @@ struct FieldPlace {
   }
 };
 
-/// Of a cell within its tile; z counts from the map's zero.
+/// Index of a cell within its tile; z counts from the map's zero.
 struct FieldCell {
   int x;
   int y;
@@ -42,12 +42,12 @@ struct FieldCell {
   auto operator<=>(const FieldCell&) const = default;
 };
 
-/// How a voting field divides each tile: into voxels, of which one point votes, and into cells, by which the voters
-/// within reach are found. All lengths are in steps of kPositionStep.
+/// The division of each tile of a voting field: into voxels, in each of which one point votes, and into cells, which
+/// serve to find the voters within reach. All lengths are in steps of kPositionStep.
 class FieldGrid {
  public:
-  /// Throws std::invalid_argument: besides validate(), `voxel` must be a whole number of kPositionStep and divide a
-  /// tile, and `radius` must not exceed a tile.
+  /// Throws std::invalid_argument. Besides the conditions of validate(), `voxel` must be a multiple of kPositionStep
+  /// and divide a tile, and `radius` must not exceed a tile.
   explicit FieldGrid(const VotingParameters& parameters);
 
   [[nodiscard]] bool thins() const { return voxel_ > 0; }
@@ -63,16 +63,16 @@ class FieldGrid {
   }
   [[nodiscard]] std::size_t column_of(int x, int y) const { return static_cast<std::size_t>(y * cells_per_tile_ + x); }
   [[nodiscard]] std::uint64_t voxel_of(const FieldPlace& place) const;
-  /// Between the nearest sides of two cells whose indices differ by `d` along one axis.
+  /// The gap between the nearest sides of two cells whose indices differ by `d` along one axis.
   [[nodiscard]] std::int64_t gap(int d) const { return std::int64_t{std::max(0, std::abs(d) - 1)} * cell_; }
 
  private:
-  /// Floored division by one number, again and again: a multiplication.
+  /// Floored division by a constant, as a multiplication.
   class Divisor {
    public:
     explicit Divisor(int by = 1) : inverse_(1.0 / by) {}
     [[nodiscard]] int floor(int v) const {
-      const double quotient = (v + 0.5) * inverse_;  // never a whole number, so that rounding cannot cross one
+      const double quotient = (v + 0.5) * inverse_;  // never an integer, so rounding cannot cross one
       const auto towards_zero = static_cast<int>(quotient);
       return towards_zero - (quotient < 0 ? 1 : 0);
     }
@@ -83,7 +83,7 @@ class FieldGrid {
 
   int voxel_ = 0;  // 0: no thinning
   int radius_ = 0;
-  int cell_ = 0;  // edge; a whole number of them makes a tile
+  int cell_ = 0;  // edge; divides a tile
   int cells_per_tile_ = 0;
   int reach_ = 0;
   Divisor by_voxel_;

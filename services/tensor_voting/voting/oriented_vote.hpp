@@ -11,7 +11,7 @@
 namespace curbstone::tensor_voting::voting {
 
 /// @file
-/// The second pass in double precision: the reference for what is faster.
+/// The second pass in double precision: the reference for the faster implementations.
 
 /// The vote of all normals in the span of a projector Q of rank m, uniformly, with cos^2 decay: formula (G),
 ///   V_Q = w(d) R H R,  H = Q - ((u^T Q u) Q + 2 Q u u^T Q) / (m + 2),  R = I - 2 u u^T.
@@ -19,8 +19,8 @@ namespace curbstone::tensor_voting::voting {
 [[nodiscard]] Eigen::Matrix3d projector_vote(const Eigen::Vector3d& offset, const Eigen::Matrix3d& Q, int rank,
                                              double sigma);
 
-/// Adds what a voter that knows its shape has to say at `offset`: stick V_{e1 e1^T} + plate V_{I - e3 e3^T}, its shares
-/// being the weights; the mass grows by w (stick + plate). No vote at offset zero nor from radius on.
+/// Adds the vote of a decomposed voter at `offset`: stick V_{e1 e1^T} + plate V_{I - e3 e3^T}, weighted by its shares;
+/// the mass grows by w (stick + plate). There is no vote at offset zero nor at `radius` and beyond.
 void add_oriented_vote(const Eigen::Vector3d& offset, const kernels::Decomposition& voter,
                        const VotingParameters& parameters, kernels::Tensor& tensor);
 

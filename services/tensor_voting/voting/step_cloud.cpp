@@ -9,7 +9,7 @@ namespace curbstone::tensor_voting::voting {
 
 namespace {
 
-/// The median of some of the points, axis by axis: a few stray ones do not move it.
+/// The median of a sample of the points, axis by axis: outliers do not move it.
 Eigen::Vector3d middle_of(std::span<const Eigen::Vector3d> points) {
   constexpr std::size_t kSample = 1000;
   const std::size_t stride = 1 + points.size() / kSample;

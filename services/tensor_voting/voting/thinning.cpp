@@ -10,12 +10,12 @@ Thinning first_in_voxel(const StepCloud& cloud, double voxel) {
   Thinning result;
   result.voter_of_point.reserve(cloud.points.size());
   VoxelTable voxels;
-  // The lattice is the map's; its indices are counted from the cloud's origin so that they stay small.
+  // The lattice is that of the cloud's frame; its indices are counted from the cloud's origin so that they stay small.
   const Eigen::Vector3d origin_in_voxels = cloud.origin / voxel;
   const Eigen::Vector3d first = origin_in_voxels.array().floor();
   const Eigen::Vector3d rest = origin_in_voxels - first;
   const double voxels_per_step = cloud.step / voxel;
-  // Half a step up: a coordinate on the lattice must not fall below it by the rounding of the product.
+  // Adds half a step, so that rounding of the product cannot move a coordinate on the lattice below it.
   const auto index = [&](std::int64_t steps, int axis) {
     return static_cast<std::int64_t>(std::floor((static_cast<double>(steps) + 0.5) * voxels_per_step + rest[axis]));
   };

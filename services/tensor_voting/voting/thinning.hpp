@@ -9,14 +9,14 @@
 
 namespace curbstone::tensor_voting::voting {
 
-/// Which points vote, and for each point the voter whose tensor it takes.
+/// The points that vote, and for each point the voter whose tensor it takes.
 struct Thinning {
   std::vector<std::uint32_t> voters;          ///< index into the cloud's points
   std::vector<std::uint32_t> voter_of_point;  ///< index into voters
 };
 
-/// The first point in each cube of a lattice of edge `voxel` (m, at least unit / 64), which has a node at 0, 0, 0 of
-/// the cloud's own frame.
+/// Selects the first point in each cube of a lattice of edge `voxel` (m, at least unit / 64), which has a node at 0, 0,
+/// 0 of the cloud's own frame.
 [[nodiscard]] Thinning first_in_voxel(const StepCloud& cloud, double voxel);
 
 }  // namespace curbstone::tensor_voting::voting

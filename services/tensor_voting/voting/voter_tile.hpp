@@ -13,10 +13,11 @@
 
 namespace curbstone::tensor_voting::voting {
 
-/// The voters of a tile in blocks; a block's are of one cell. The blocks of one column of cells are chained, apart from
-/// the blocks themselves: a walk along a chain must not wait for each of them to come from memory.
+/// The voters of a tile in blocks; all voters of a block are of one cell. The blocks of one column of cells are
+/// chained. The links are stored apart from the blocks, so that following a chain does not wait for each block to be
+/// loaded from memory.
 ///
-/// A tile that nobody is near may sleep: then it has of each voter where it is and what it has received, and no blocks.
+/// An inactive tile may sleep: it then keeps each voter's position and received votes, but no blocks.
 struct VoterTile {
   struct Block {
     kernels::VoterBlock voters;
@@ -26,7 +27,7 @@ struct VoterTile {
     int layer;  ///< height index of the cell
     std::int32_t next;
   };
-  /// Where a voter stands.
+  /// The position of a voter in the blocks.
   struct Seat {
     std::uint32_t number;  ///< counted lane by lane, block by block
     static Seat at(std::uint32_t block, std::size_t lane) {
@@ -46,9 +47,9 @@ struct VoterTile {
   std::vector<std::uint32_t> point_of_voter;
   std::vector<std::int32_t> columns;  ///< first block of each, or -1
   std::vector<Link> links;            ///< of each block
-  std::vector<std::int64_t> changed;  ///< of each block: VotingField::change() that touched its votes last
+  std::vector<std::int64_t> changed;  ///< of each block: VotingField::change() of the last change to its votes
   std::vector<std::array<std::uint32_t, kernels::kLanes>> voters;  ///< of each block, lane by lane
-  std::vector<std::unique_ptr<Chunk>> chunks;                      ///< blocks stay where they are
+  std::vector<std::unique_ptr<Chunk>> chunks;                      ///< blocks do not move in memory
   VoxelTable voxels;
   std::int64_t num_votes = 0;
   struct Sleeper {
@@ -60,7 +61,7 @@ struct VoterTile {
 
   [[nodiscard]] Block& block(std::size_t i) const { return (*chunks[i / kBlocksPerChunk])[i % kBlocksPerChunk]; }
 
-  /// A block with a lane left for the cell at height index `z` of a column; made if there is none.
+  /// A block with a free lane for the cell at height index `z` of a column; made if there is none.
   std::uint32_t block_for(std::size_t column, int z) {
     for (std::int32_t i = columns[column]; i >= 0; i = links[static_cast<std::size_t>(i)].next) {
       const auto index = static_cast<std::size_t>(i);
@@ -79,7 +80,7 @@ struct VoterTile {
     return static_cast<std::uint32_t>(made);
   }
 
-  /// Gives back what only votes need: blocks, of which many lanes are empty, and the voxels.
+  /// Frees what only voting needs: the blocks, in which many lanes are empty, and the voxels.
   void sleep() {
     if (asleep) return;
     asleep = true;
@@ -97,7 +98,7 @@ struct VoterTile {
     links.shrink_to_fit();
     changed.shrink_to_fit();
   }
-  /// The same bits. voxel_of(place): the voxel of a voter there.
+  /// Restores exactly the same bits. voxel_of(place): the voxel of a voter at that place.
   template <class VoxelOf>
   void wake(const VoxelOf& voxel_of) {
     if (!asleep) return;
@@ -105,7 +106,7 @@ struct VoterTile {
     chunks.resize((links.size() + kBlocksPerChunk - 1) / kBlocksPerChunk);
     for (std::unique_ptr<Chunk>& chunk : chunks) chunk = std::make_unique<Chunk>();
     voters.resize(links.size());
-    for (std::uint32_t i = 0; i < sleepers.size(); ++i) {  // in each block, too, who came first has the first lane
+    for (std::uint32_t i = 0; i < sleepers.size(); ++i) {  // in each block, too, the first voter has the first lane
       const Sleeper& from = sleepers[i];
       Block& to = block(seats[i].block());
       const std::size_t lane = to.voters.push_back(from.at);
@@ -116,7 +117,7 @@ struct VoterTile {
     give_back(sleepers);
   }
 
-  /// What each voter has received.
+  /// The votes that each voter has received.
   [[nodiscard]] std::vector<kernels::VoteSums> sums() const {
     std::vector<kernels::VoteSums> result;
     result.reserve(seats.size());

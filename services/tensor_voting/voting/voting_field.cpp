@@ -8,10 +8,10 @@
 namespace curbstone::tensor_voting::voting {
 
 namespace {
-constexpr std::int64_t kUsesAtOnce = 256;  // changes: order within them does not matter, and costs
+constexpr std::int64_t kUsesAtOnce = 256;  // changes: the order within them is irrelevant, and costs time
 }  // namespace
 
-/// A point that is the first in its voxel.
+/// A point that is the first one in its voxel.
 struct VotingField::NewVoter {
   std::uint32_t index;
   FieldCell cell;
@@ -20,7 +20,7 @@ struct VotingField::NewVoter {
   bool operator<(const NewVoter& other) const { return cell != other.cell ? cell < other.cell : index < other.index; }
 };
 
-/// A tile and the eight around it, where they exist.
+/// A tile and its eight neighbours, where they exist.
 struct VotingField::Neighbourhood {
   static constexpr std::uint32_t kCentre = 4;
   TileKey centre;
@@ -40,7 +40,7 @@ VotingField::~VotingField() = default;
 VotingField::VotingField(VotingField&&) noexcept = default;
 VotingField& VotingField::operator=(VotingField&&) noexcept = default;
 
-/// All of them awake.
+/// The tile and its neighbours, all of them awake.
 VotingField::Neighbourhood VotingField::around(TileKey key) const {
   Neighbourhood result{.centre = key};
   for (int i = 0; i < 9; ++i) {
@@ -58,7 +58,7 @@ void VotingField::wake(TileKey key, VoterTile& tile) const {
   uses_.used(key, change_ / kUsesAtOnce);
 }
 
-/// One at most: what a drive leaves behind falls asleep without a stop.
+/// Puts at most one tile to sleep, so that there is no pause when a drive leaves many tiles behind.
 void VotingField::sleep_unused() {
   const auto key = uses_.take_unused((change_ - kAwake) / kUsesAtOnce);
   if (key) find(*key)->sleep();
@@ -80,7 +80,7 @@ void VotingField::find_near(const Neighbourhood& around, const FieldCell& cell, 
     for (int x = cell.x - reach; x <= cell.x + reach; ++x) {
       const std::int64_t away2 = gap2(x - cell.x) + gap2(y - cell.y);
       if (away2 >= reach2) continue;
-      const int right = x < 0 ? -1 : x >= n ? 1 : 0;  // tiles; nothing reaches farther than the next one
+      const int right = x < 0 ? -1 : x >= n ? 1 : 0;  // tiles; a vote reaches at most the next one
       const int up = y < 0 ? -1 : y >= n ? 1 : 0;
       const auto t = static_cast<std::size_t>(3 * (1 + up) + 1 + right);
       VoterTile* const tile = around.tiles[t];
@@ -143,8 +143,8 @@ void VotingField::add(TileKey key, std::int32_t z_origin, std::span<const TilePo
   if (!tile) tile = std::make_unique<VoterTile>(z_origin, grid_.columns_per_tile());
   Neighbourhood around = this->around(key);
   around.changed[Neighbourhood::kCentre] = true;
-  // Cell by cell, so that a cell's surroundings are looked up once and stay in the cache. The sums do not mind the
-  // order.
+  // Cell by cell, so that the neighbourhood of a cell is looked up once and stays in the cache. The sums do not depend
+  // on this order.
   std::vector<NewVoter> admitted = admit(key, *tile, points);
   std::sort(admitted.begin(), admitted.end());
   for (auto begin = admitted.begin(), end = begin; begin != admitted.end(); begin = end) {

@@ -20,10 +20,10 @@ namespace curbstone::tensor_voting::voting {
 
 struct VoterTile;
 
-/// What up to kLanes voters of a tile have received, side by side.
+/// The votes received by up to kLanes voters of a tile, side by side.
 struct ReceivedBlock {
-  std::uint32_t number = 0;               ///< among the tile's blocks, for as long as the tile is in the field
-  std::span<const std::uint32_t> voters;  ///< which of the tile's they are
+  std::uint32_t number = 0;               ///< among the tile's blocks; constant while the tile is in the field
+  std::span<const std::uint32_t> voters;  ///< indices of the tile's voters
   std::array<std::array<std::int64_t, kernels::kLanes>, kernels::VoteSums::kCount> sums;  ///< component after component
 
   [[nodiscard]] kernels::VoteSums of(std::size_t lane) const {
@@ -33,19 +33,19 @@ struct ReceivedBlock {
   }
 };
 
-/// The ball votes of a growing map of tiles, kept exactly up to date: a new point costs its own pairs and no others,
-/// and every pair is computed once for both its ends. After any sequence of add() and remove(), every sum has the bits
-/// of a field to which the points now present were added at once, whatever the order between tiles was; vote_cloud() of
-/// them gives the same to 1e-5.
+/// The ball votes of a growing map of tiles, always exactly up to date. A new point costs only its own pairs, and every
+/// pair is computed once for both its ends. After any sequence of add() and remove(), every sum is bitwise equal to
+/// that of a field to which the present points were added at once, whatever the order between tiles. vote_cloud() of
+/// these points gives the same result to 1e-5.
 ///
-/// Which points vote is decided inside each tile by the order of its own points: the first one in a voxel votes. Points
-/// that are thinned out take the tensor of their voxel's voter.
+/// The voters are chosen inside each tile by the order of its own points: the first point in a voxel votes. The other
+/// points of the voxel take the tensor of that voter.
 ///
-/// Tiles that nothing was added to, or beside, for kAwake changes sleep, which saves memory; what comes wakes them. One
-/// thread at a time, readers too.
+/// A tile sleeps, which saves memory, if no points were added to it or its neighbours for kAwake changes; added points
+/// wake it. One thread at a time, including readers.
 class VotingField {
  public:
-  /// Throws std::invalid_argument as FieldGrid does.
+  /// Throws std::invalid_argument on the same conditions as FieldGrid.
   explicit VotingField(const VotingParameters& parameters);
   ~VotingField();
   VotingField(VotingField&&) noexcept;
@@ -53,29 +53,29 @@ class VotingField {
 
   [[nodiscard]] const VotingParameters& parameters() const { return parameters_; }
 
-  /// Appends points to a tile. `z_origin` is the height of its z = 0 in steps of kPositionStep; it holds from the
-  /// tile's first points on. x and y of points must lie in 0 .. kStepsPerTile - 1.
+  /// Appends points to a tile. `z_origin` is the height of its z = 0 in steps of kPositionStep; the tile's first points
+  /// fix it. x and y of points must lie in 0 .. kStepsPerTile - 1.
   void add(TileKey key, std::int32_t z_origin, std::span<const TilePoint> points);
-  /// Takes a tile out, and its votes out of the tiles around it.
+  /// Removes a tile, and its votes from the tiles around it.
   void remove(TileKey key);
   void clear();
 
   [[nodiscard]] bool contains(TileKey key) const { return tiles_.contains(key); }
   [[nodiscard]] std::size_t num_points(TileKey key) const;
   [[nodiscard]] std::size_t num_voters(TileKey key) const;
-  /// Votes received by all voters of a tile. Grows whenever add() changes a tensor of the tile, and depends on nothing
-  /// but the points present: a version number of the tile's tensors.
+  /// The number of votes received by all voters of a tile: a version number of the tile's tensors. It grows whenever
+  /// add() changes a tensor of the tile, and depends on the present points alone.
   [[nodiscard]] std::int64_t num_votes(TileKey key) const;
   /// The voter whose tensor each point of a tile takes, in the order of the points.
   [[nodiscard]] std::span<const std::uint32_t> voters_of_points(TileKey key) const;
-  /// The point that each voter of a tile is, in the order of the voters.
+  /// The point of each voter of a tile, in the order of the voters.
   [[nodiscard]] std::span<const std::uint32_t> points_of_voters(TileKey key) const;
-  /// What each voter of a tile has received.
+  /// The votes that each voter of a tile has received.
   [[nodiscard]] std::vector<kernels::VoteSums> sums(TileKey key) const;
-  /// The voters of a tile whose sums may have become others after change() was `since`: all of those, and some that
-  /// share a block with them. Since 0, all.
+  /// Visits the voters of a tile whose sums may have changed after change() was `since`: all that changed, and some
+  /// others in the same blocks. With `since` 0, all voters.
   void for_each_changed(TileKey key, std::int64_t since, const std::function<void(const ReceivedBlock&)>& visit) const;
-  /// Counts add() and remove().
+  /// The number of calls of add() and remove().
   [[nodiscard]] std::int64_t change() const { return change_; }
 
   /// The tiles whose points or tensors changed since the last call, in order of their keys.
@@ -84,8 +84,8 @@ class VotingField {
   [[nodiscard]] std::size_t num_tiles() const { return tiles_.size(); }
   [[nodiscard]] bool is_asleep(TileKey key) const;
   [[nodiscard]] std::size_t num_asleep() const { return tiles_.size() - uses_.size(); }
-  static constexpr std::int64_t kAwake = 20'000;  ///< changes: some ten seconds of a drive
-  /// Pair votes computed so far, pairs out of reach not counted.
+  static constexpr std::int64_t kAwake = 20'000;  ///< changes: about ten seconds of a drive
+  /// The number of pair votes computed so far, without pairs out of reach.
   [[nodiscard]] std::int64_t num_pairs() const { return num_pairs_; }
 
  private:
@@ -95,17 +95,17 @@ class VotingField {
   [[nodiscard]] Neighbourhood around(TileKey key) const;
   void wake(TileKey key, VoterTile& tile) const;
   void sleep_unused();
-  /// The points of `points` that are the first in their voxel; all of them are entered in the tile's lists.
+  /// The points of `points` that are the first in their voxel; all points are entered in the tile's lists.
   std::vector<NewVoter> admit(TileKey key, VoterTile& tile, std::span<const TilePoint> points) const;
   /// Fills near_ with the blocks of voters in the cells within reach of a cell of the centre tile.
   void find_near(const Neighbourhood& around, const FieldCell& cell, bool with_own_tile);
-  /// Votes between the voter and all in near_ within its reach, both ways. Returns their number.
+  /// Exchanges votes between the voter and all voters in near_ within its reach. Returns the number of votes.
   std::int64_t exchange(const kernels::StepPoint& at, float sign, kernels::VoteSums& sums);
-  /// Books the votes given to near_ since find_near().
+  /// Records the votes given to the blocks in near_ since find_near().
   void book(Neighbourhood& around, std::int64_t sign);
   void note_changes(const Neighbourhood& around);
 
-  /// The tile, asleep or not; nullptr if there is none.
+  /// The tile, asleep or not; nullptr if it is not in the field.
   [[nodiscard]] VoterTile* find(TileKey key) const;
 
   VotingParameters parameters_;

@@ -8,17 +8,17 @@
 
 namespace curbstone::tensor_voting::voting {
 
-/// Numbers voxels in the order in which they come first: an open-addressing hash from voxel to number. No removal; 16
+/// Numbers voxels in the order of their first appearance: an open-addressing hash from voxel to number. No removal; 16
 /// to 22 bytes a voxel.
 class VoxelTable {
  public:
-  /// A voxel in a place of its own lattice; each coordinate within 21 bits.
+  /// The key of a voxel from its indices in the caller's lattice; each must fit in 21 bits.
   static std::uint64_t key(std::int64_t x, std::int64_t y, std::int64_t z) {
     const auto bits = [](std::int64_t v) { return static_cast<std::uint64_t>(v) & 0x1fffff; };
     return bits(x) << 42 | bits(y) << 21 | bits(z);
   }
 
-  /// The voxel's number; if it is new: how many there were before.
+  /// The voxel's number. A new voxel gets the number of voxels present before.
   std::uint32_t find_or_insert(std::uint64_t key) {
     if (2 * (keys_.size() + 1) > slots_.size()) grow();
     std::uint32_t& slot = slots_[slot_of(key)];

@@ -19,7 +19,7 @@ bool PointTiles::plausible(const map_points_t& m) const {
   return std::all_of(m.x.begin(), m.x.end(), inside_or_removal) && std::all_of(m.y.begin(), m.y.end(), inside);
 }
 
-/// For each of the nine tiles that votes of the point may have reached.
+/// Counts a removal for each of the nine tiles that votes of the point may have reached.
 void PointTiles::count_removal(PointTile& tile, const TilePoint& point) const {
   for (int i = 0; i < 9; ++i) {
     const auto reaches = [&](int towards, int along) {

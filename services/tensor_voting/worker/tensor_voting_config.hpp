@@ -11,16 +11,16 @@ namespace curbstone::tensor_voting::worker {
 /// Section `tensor_voting` of the vehicle's file.
 struct TensorVotingConfig {
   VehicleConfig vehicle;
-  /// m: the scales. {0.3, 0.1} with voxels {0.1, 0.05} votes at two at once; semantic_map reads the one nearest to 0.3.
+  /// m: the scales. {0.3, 0.1} with voxels {0.1, 0.05} votes at two scales; semantic_map reads the one nearest to 0.3.
   std::vector<double> sigma = {0.3};
   std::vector<double> voxel = {0.1};  ///< m: thinning at each scale; a multiple of 2 mm that divides 3 m
   double radius = 3.0;                ///< cut-off, in sigmas
   double ball = 1.0;                  ///< the ball vote's coefficient
   double bandwidth = 24.0;            ///< MB/s of VOTED_POINTS at most
   double min_interval = 0.03;         ///< s between two revisions of a tile
-  double keep_radius = 150.0;         ///< m: tiles farther from the vehicle are let go
+  double keep_radius = 150.0;         ///< m: tiles farther from the vehicle are released
   int max_points = 16'000'000;        ///< of the map, in memory
-  double worker_timeout = 2.5;        ///< s: a worker not heard for so long is gone
+  double worker_timeout = 2.5;        ///< s: a worker not heard for so long has left
 
   void visit(ConfigVisitor& v) {
     v.section("vehicle", vehicle, "the vehicle");
@@ -35,7 +35,7 @@ struct TensorVotingConfig {
     v.field("worker_timeout", worker_timeout, {0.5, 60.0}, "s, a worker not heard for so long is gone");
   }
 
-  /// One set of parameters for each scale. Throws std::invalid_argument, naming what does not fit.
+  /// The parameters of each scale. Throws std::invalid_argument that names the invalid value.
   [[nodiscard]] std::vector<voting::VotingParameters> scales() const;
 };
 

@@ -3,13 +3,13 @@
 #include "services/tensor_voting/worker/tensor_voting_node.hpp"
 
 /// @file
-/// TensorVotingNode: what is far from the vehicle.
+/// TensorVotingNode: tiles far from the vehicle.
 
 namespace curbstone::tensor_voting::worker {
 
 namespace {
 
-constexpr std::int64_t kFarPatience = 5'000'000;  // us: more of a far tile may be on its way
+constexpr std::int64_t kFarPatience = 5'000'000;  // us: further points of a far tile may still arrive
 
 }  // namespace
 
@@ -35,7 +35,8 @@ bool TensorVotingNode::has_neighbours(TileKey key) const {
   return all;
 }
 
-/// Nothing of it, nor of those about it, is still to be published, and no more of it is on its way.
+/// Whether a far tile may be released: neither it nor a neighbour is still to be published, and no more points of it
+/// are expected.
 bool TensorVotingNode::may_let_go(TileKey key) const {
   const auto heard = far_heard_.find(key);
   if (heard != far_heard_.end() && (now_ - heard->second < kFarPatience || follower_.is_behind(key))) return false;
@@ -47,13 +48,13 @@ bool TensorVotingNode::may_let_go(TileKey key) const {
   return !waits;
 }
 
-/// Of what is out of a tile that sleeps, the sums: should it wake, its next step brings all tensors again.
+/// Discards the digests of a sleeping tile's published sums: if it wakes, its next delta contains all tensors.
 void TensorVotingNode::forget_sums(TileKey key) {
   const auto base = bases_.find(key);
   if (base != bases_.end()) std::vector<VotedBase::Scale>().swap(base->second.scales);
 }
 
-/// Lets go of what has fallen behind; takes up what has come near again.
+/// Releases tiles that have fallen behind; reviews tiles that are near again.
 void TensorVotingNode::follow_vehicle() {
   std::vector<TileKey> far;
   for (const auto& [key, tile] : map_.points().tiles()) {

@@ -17,14 +17,14 @@ constexpr std::int64_t kSecond = 1'000'000;         // us
 constexpr std::int64_t kRequestInterval = 100'000;  // us
 constexpr std::int64_t kRequestPatience = 300'000;  // us
 constexpr std::size_t kTilesPerRequest = 100;       // a few hundred kB of answers
-constexpr std::size_t kMaxBehind = 20'000;          // tiles that we lack and know of
-constexpr double kBurst = 50'000;                   // us: what may be saved up, of the bandwidth: a revolution's
-constexpr std::size_t kMovesPerTick = 8000;         // points taken over: 10 to 20 ms of work
-constexpr std::int64_t kListen = 1'500'000;         // us: in which every other worker has said that it lives
+constexpr std::size_t kMaxBehind = 20'000;          // tiles that this worker knows to lack
+constexpr double kBurst = 50'000;                   // us of bandwidth that may be saved up: the changes of a revolution
+constexpr std::size_t kMovesPerTick = 8000;         // points processed in a takeover: 10 to 20 ms of work
+constexpr std::int64_t kListen = 1'500'000;         // us: long enough for a heartbeat of every other worker
 constexpr std::size_t kAtOnce = 300;                // tiles: some 12 MB, while nothing else is sent
 constexpr double kJoinRadius = 40.0;                // m: what a worker must have around the vehicle before it joins
 
-/// Another one for each worker and each start of it.
+/// The start of a chain number: differs for each worker and for each start of it.
 std::int64_t begin_chain(const std::string& worker, std::int64_t now) {
   return static_cast<std::int64_t>(std::hash<std::string>{}(worker + "@" + std::to_string(now)) | 1);
 }
@@ -53,7 +53,7 @@ void TensorVotingNode::on(const map_points_t& message) {
   mapper_heard_ = now_;
   const TileKey key{message.tile_x, message.tile_y};
   if (!is_near(key)) {
-    // Only what the mapper has announced: a damaged message may name any tile.
+    // Only tiles that the mapper has announced: a damaged message may name any tile.
     const bool is_announced = follower_.is_behind(key) || map_.points().find(key) != nullptr;
     if (!is_announced || !is_unpublished(key)) return counters_.add("dropped.far");
     far_heard_[key] = now_;
@@ -78,7 +78,7 @@ void TensorVotingNode::on(const map_points_t& message) {
   follower_.set_have(key, map_.points().find(key)->records);
   counters_.add("map_points", static_cast<std::int64_t>(taken.added.size()));
   counters_.add("tiles_thinned", taken.removed ? 1 : 0);
-  if (taken.removed) bases_.erase(key);  // its points are others now: the next step is a whole tile
+  if (taken.removed) bases_.erase(key);  // its points have changed: the next publication is the whole tile
 }
 
 void TensorVotingNode::on(const map_pose_t& message) {
@@ -97,7 +97,7 @@ void TensorVotingNode::on(const tile_index_t& message) {
   if (message.channel == kVotedPoints && message.owner != worker_) {
     workers_.heard(message.owner, now_);
     if (message.epoch != epoch_) return;
-    // What another worker has published need not be published again when its tiles become ours.
+    // A tile published by another worker need not be published again when this worker becomes its owner.
     for (std::size_t i = 0; i < message.version.size(); ++i) {
       const TileKey key{message.tile_x[i], message.tile_y[i]};
       schedule_.published(key, message.version[i], 0);
@@ -124,7 +124,7 @@ void TensorVotingNode::on(const tile_request_t& message) {
   catalog_.request(message);
 }
 
-/// Whether a message that names this epoch is of the present one, which may begin with it.
+/// Whether a message that names `epoch` is of the present epoch, which may begin with this message.
 bool TensorVotingNode::follow_epoch(std::int32_t epoch, EpochFollower::Source source) {
   switch (epochs_.hear(epoch, source, now_)) {
     case EpochFollower::Verdict::kEntered:
@@ -166,24 +166,24 @@ bool TensorVotingNode::publishes(TileKey key) const {
   return owns(key) && (distance(key) <= config_.keep_radius - kRim || has_neighbours(key));
 }
 
-/// Puts a tile's revision before the schedule, if it is for us to publish.
+/// Schedules a tile's revision if this worker publishes the tile.
 void TensorVotingNode::review(TileKey key) {
   const PointTile* const tile = map_.points().find(key);
   if (tile == nullptr || !publishes(key) || !map_.is_current(key)) return;
   const std::int32_t revision = map_.revision(key);
   schedule_.changed(key, revision, tile->utime, now_);
-  // Published before, by its owner of that time: now it is us who answers for it.
+  // Already published by a previous owner: this worker now answers requests for it.
   if (schedule_.published_revision(key) == revision) catalog_.set_version(key, revision);
 }
 
-/// Alone, or with all that was near the vehicle when the map was first announced. What has been mapped since may be on
-/// its way, or lost, as it may be for a worker that joined long ago.
+/// A worker may join if it is alone, or if it has everything near the vehicle that the first index announced. Points
+/// mapped since then may be on their way, or lost, as for a worker that joined long ago.
 bool TensorVotingNode::may_join() const {
   if (now_ - first_tick_ < kListen) return false;
   return workers_.count() == 1 || (index_heard_ && !follower_.is_behind_near(x_, y_, kJoinRadius, *index_heard_));
 }
 
-/// Other tiles are ours. Exact sums make that a matter of adding and removing.
+/// The ownership of tiles has changed. With exact sums, tiles are simply added and removed.
 void TensorVotingNode::reassign() {
   counters_.add("reassignments");
   map_.reassign([this](TileKey key) { return votes_here(key); }, x_, y_);
@@ -208,7 +208,7 @@ void TensorVotingNode::announce() {
 
 void TensorVotingNode::queue_pages(TileKey key) {
   const PointTile* const tile = map_.points().find(key);
-  if (tile == nullptr || !map_.is_current(key)) {  // its turn comes again with the votes that it lacks
+  if (tile == nullptr || !map_.is_current(key)) {  // scheduled again when the missing votes are computed
     schedule_.drop(key);
     return;
   }
@@ -248,9 +248,9 @@ void TensorVotingNode::publish_paced() {
   }
 }
 
-/// The clock goes on, and with it what may be sent.
+/// Advances the clock and earns bandwidth for the elapsed time.
 void TensorVotingNode::advance(std::int64_t now) {
-  // A clock that jumps, or a replay that starts, gives no more budget than one late tick does.
+  // A clock that jumps, or a replay that starts, earns at most as much as one late tick.
   const auto elapsed = static_cast<double>(std::clamp<std::int64_t>(now - now_, 0, 50'000));
   const double earned = config_.bandwidth * elapsed;  // MB/s times us
   const double burst = std::max({earned, config_.bandwidth * kBurst, static_cast<double>(kMaxPageBytes)});
@@ -274,7 +274,7 @@ void TensorVotingNode::tick(std::int64_t now) {
   const bool joins = !joined_ && may_join();
   if (joins) {
     joined_ = true;
-    last_index_ = 0;  // says so at once
+    last_index_ = 0;  // sends an index at once
   }
   if (others || (joins && workers_.count() > 1)) reassign();
   map_.move(kMovesPerTick);

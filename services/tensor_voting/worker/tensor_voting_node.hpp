@@ -24,24 +24,23 @@
 
 namespace curbstone::tensor_voting::worker {
 
-/// A worker that votes: MAP_POINTS in, VOTED_POINTS of the tiles that it owns out. Any number of workers share the
-/// tiles.
+/// A voting worker: MAP_POINTS in, VOTED_POINTS of the tiles that it owns out. Any number of workers share the tiles.
 ///
-/// Every worker hears and keeps all map points, so that it can take over at once; it votes only on the tiles that it
-/// owns and on their neighbours, whose points are voters for them. What a tile's last revision says is a function of
-/// the map points alone. So is a revision's number: the tile's points plus the votes that they have received. It grows
-/// with every change, two workers with the same map points give it the same number, and since each part of that sum
-/// only grows, nobody reaches the final number without the final content.
+/// Every worker receives and keeps all map points, so that it can take over at once. It votes only on the tiles that it
+/// owns and on their neighbours, whose points are voters for them. The content of a tile's last revision is a function
+/// of the map points alone. So is the revision's number: the number of the tile's points plus the number of votes that
+/// they have received. It grows with every change, and two workers with the same map points give it the same number.
+/// Since each part of that sum only grows, no worker reaches the final number without the final content.
 ///
-/// What it has published before it publishes as steps from there. Whoever missed one asks, and gets the whole tile; so
-/// does everybody who had the tile from another worker. Those steps are a matter of the way, too: where they lead to is
-/// the revision.
+/// Further revisions of a tile are published as deltas to the previous one. A subscriber that missed a delta requests
+/// the whole tile, and so does one whose copy came from another worker. Only the revision identifies the content; the
+/// deltas that led to it may differ between workers.
 ///
-/// A worker that comes to others listens until it has what is near the vehicle, and only then says that it lives: so
-/// nobody lets go of a tile for a worker that does not know it yet.
+/// A worker that joins others only listens until it has the map near the vehicle, and then sends its first heartbeat:
+/// no worker gives up a tile for one that does not know the tile yet.
 class TensorVotingNode final : public Node {
  public:
-  /// `worker` is this worker's name on the bus. Throws std::invalid_argument on scales that cannot be voted.
+  /// `worker` is this worker's name on the bus. Throws std::invalid_argument on invalid scales.
   TensorVotingNode(const TensorVotingConfig& config, std::string worker, Publisher& publisher);
 
   void connect(Subscriber& bus) override;
@@ -51,8 +50,7 @@ class TensorVotingNode final : public Node {
   [[nodiscard]] NodeReport report() const override;
 
  private:
-  static constexpr double kRim =
-      2 * kTileSize;  ///< m, of keep_radius: tiles there may lack neighbours that were let go
+  static constexpr double kRim = 2 * kTileSize;  ///< m, of keep_radius: tiles there may lack released neighbours
   void on(const map_points_t& message);
   void on(const map_pose_t& message);
   void on(const tile_index_t& message);
@@ -62,14 +60,15 @@ class TensorVotingNode final : public Node {
   void start_epoch(std::int32_t epoch);
   [[nodiscard]] double distance(TileKey key) const;  // from the vehicle, m
   [[nodiscard]] bool owns(TileKey key) const;
-  /// Whether a tile's points matter to a tile that we own.
+  /// Whether a tile's points are voters for a tile that this worker owns.
   [[nodiscard]] bool votes_here(TileKey key) const;
   [[nodiscard]] bool publishes(TileKey key) const;
   [[nodiscard]] bool is_near(TileKey key) const { return distance(key) <= config_.keep_radius; }
-  /// Far from the vehicle, and yet of use: nobody has published it, or a tile about it, of which there are points. So
-  /// it is with most of a drive that begins anew in another epoch.
+  /// Whether a far tile is still needed: it is unpublished, this worker has points of it, or a neighbour with points is
+  /// unpublished. This applies to most of a drive that begins anew in another epoch. False once the schedule has
+  /// evicted revisions.
   [[nodiscard]] bool is_unpublished(TileKey key) const;
-  /// A far tile has what it is voted with: of the tiles about it that somebody has published none was let go.
+  /// A far tile has all its voters: no published neighbour of it was released.
   [[nodiscard]] bool has_neighbours(TileKey key) const;
   [[nodiscard]] bool may_let_go(TileKey key) const;
 
@@ -89,29 +88,29 @@ class TensorVotingNode final : public Node {
   TensorVotingConfig config_;
   std::string worker_;
   Publisher& publisher_;
-  VotedMap map_;  // votes on the tiles for which votes_here()
+  VotedMap map_;  // votes on the tiles for which votes_here() is true
   RendezvousOwners workers_;
   TileFollower follower_;
   TileCatalog catalog_;
   PublishSchedule schedule_;
-  std::deque<voted_points_t> pages_;                                  // of the tile that is being sent
-  std::unordered_map<TileKey, VotedBase, TileKeyHash> bases_;         // of what is out, from us
-  std::unordered_map<TileKey, std::int64_t, TileKeyHash> far_heard_;  // of far tiles: us, when points came last
+  std::deque<voted_points_t> pages_;                                  // pages of the tile that is being sent
+  std::unordered_map<TileKey, VotedBase, TileKeyHash> bases_;         // what this worker has published
+  std::unordered_map<TileKey, std::int64_t, TileKeyHash> far_heard_;  // of far tiles: us, arrival of the last points
   std::int64_t chain_ = 0;
 
   EpochFollower epochs_;
   LostPause pause_{4'000'000};
-  std::int32_t epoch_ = 0;  // the present one, once there is one
-  double x_ = 0;            // the vehicle, m in map
+  std::int32_t epoch_ = 0;  // the present epoch, once there is one
+  double x_ = 0;            // position of the vehicle, m in map
   double y_ = 0;
   std::int64_t now_ = 0;
   std::int64_t first_tick_ = 0;
-  bool joined_ = false;                      // the others may know of us
-  std::optional<std::int64_t> index_heard_;  // us: when the mapper's first whole index of this epoch was made
+  bool joined_ = false;                      // this worker sends heartbeats
+  std::optional<std::int64_t> index_heard_;  // us: when the mapper made its first whole index of this epoch
   std::int64_t last_index_ = 0;
   std::int64_t last_request_ = 0;
   std::int64_t mapper_heard_ = 0;
-  double budget_ = 0;  // bytes that may be sent
+  double budget_ = 0;  // bytes that may be sent now
 
   Counters counters_;
   LatencyWindow latency_;

@@ -8,8 +8,8 @@ namespace curbstone::tensor_voting::worker {
 
 namespace {
 constexpr std::int32_t kStepsPerMetre = 500;
-// More than the votes that a tile can lose with one point: with the default scales at most 900 + 3050 voters reach it,
-// were all space full of them; on surfaces it is some 400.
+// More than the votes that a tile usually loses with one point. On surfaces about 400 voters reach a point. If voters
+// filled all space, at most 900 + 3050 would, with scales 0.1 and 0.3 m on voxels of 0.05 and 0.1 m.
 constexpr std::int64_t kVotesOfAPoint = 2048;
 
 PointTiles::Limits with_reach(PointTiles::Limits limits, std::span<const voting::VotingParameters> scales) {
@@ -33,17 +33,17 @@ PointTiles::Taken VotedMap::take(const map_points_t& message, bool matters) {
   if (taken.outcome != PointTiles::Outcome::kAdded) return taken;
   const PointTile& tile = *points_.find(key);
   if (taken.removed) {
-    // Exact sums: what goes out and comes in again leaves no trace but that of what stayed out.
+    // With exact sums, removing and adding the remaining points gives exactly their votes.
     for (voting::VotingField& field : fields_) field.remove(key);
     for (int i = 0; i < 9; ++i) {
       if (tile.removals[static_cast<std::size_t>(i)] > 0) changed_.insert({key.x + i % 3 - 1, key.y + i / 3 - 1});
     }
-    if (!matters || !was_voted) return taken;  // it still waits to be brought in
+    if (!matters || !was_voted) return taken;  // it still waits to be added
     for (voting::VotingField& field : fields_) field.add(key, tile.z_origin * kStepsPerMetre, tile.points);
     return taken;
   }
   if (!matters) return taken;
-  // A tile that still waits to be brought in gets these points then.
+  // A tile that still waits to be added gets these points then.
   if (num_voted(key) + taken.added.size() != tile.points.size()) return taken;
   for (voting::VotingField& field : fields_) field.add(key, tile.z_origin * kStepsPerMetre, taken.added);
   return taken;
@@ -74,10 +74,10 @@ void VotedMap::reassign(const std::function<bool(TileKey)>& matters, double x, d
 
 std::size_t VotedMap::bring_in(TileKey key) {
   const PointTile* const tile = points_.find(key);
-  if (tile == nullptr) return 0;  // let go meanwhile
+  if (tile == nullptr) return 0;  // released in the meantime
   const auto missing = std::span(tile->points).subspan(num_voted(key));
   for (voting::VotingField& field : fields_) field.add(key, tile->z_origin * kStepsPerMetre, missing);
-  // The last one to come makes those around it current, whether it reaches them or not.
+  // The last tile to be added makes its neighbours current, whether or not its votes reach them.
   for_each_around(key, [&](TileKey around) { changed_.insert(around); });
   return missing.size();
 }
@@ -116,7 +116,7 @@ std::int32_t VotedMap::revision(TileKey key) const {
   if (tile == nullptr) return 0;
   auto total = static_cast<std::int64_t>(tile->points.size());
   for (const voting::VotingField& field : fields_) total += field.num_votes(key);
-  for (int i = 0; i < 9; ++i) {  // what was taken out took votes along: the revision grows all the same
+  for (int i = 0; i < 9; ++i) {  // removed points take votes with them: the revision must grow nevertheless
     const PointTile* const around = points_.find({key.x + i % 3 - 1, key.y + i / 3 - 1});
     if (around != nullptr) total += kVotesOfAPoint * around->removals[static_cast<std::size_t>(8 - i)];
   }

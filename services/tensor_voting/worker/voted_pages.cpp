@@ -12,7 +12,7 @@ namespace curbstone::tensor_voting::worker {
 
 namespace {
 
-/// Decompositions as the message carries them, side by side.
+/// Decompositions in the representation of the message, side by side.
 struct WireBlock {
   std::int16_t normal[3][kernels::kLanes];
   std::int8_t tangent[3][kernels::kLanes];
@@ -21,7 +21,7 @@ struct WireBlock {
   float mass[kernels::kLanes];
 };
 
-/// To the nearest whole number, halves away from 0, as std::lround() does one by one; |v| < 2^23.
+/// Rounds to the nearest integer, halves away from 0, as std::lround() does; |v| < 2^23.
 template <class Whole>
 void round_to(Whole* to, const float* from, float factor) {
   for (std::size_t lane = 0; lane < kernels::kLanes; ++lane) {
@@ -45,13 +45,13 @@ WireBlock to_wire(const kernels::ShapeBlock& shapes, const kernels::TensorBlock&
   return wire;
 }
 
-/// Of one scale, what is sent, in the order of the points; kLanes to a block.
+/// The tensors of one scale to be sent, in the order of the points; kLanes to a block.
 struct WireTensors {
   std::vector<std::uint32_t> points;  // indices in the tile
   std::vector<WireBlock> blocks;
 };
 
-/// Voters and their sums, found block by block, wanted in the order of the voters.
+/// Collects voters and their sums block by block, and returns them in the order of the voters.
 class VotersInOrder {
  public:
   explicit VotersInOrder(std::size_t num_voters) : found_(num_voters / 64 + 1), at_(num_voters) {}
@@ -73,14 +73,15 @@ class VotersInOrder {
   }
 
  private:
-  std::vector<std::uint64_t> found_;  // a bit a voter
+  std::vector<std::uint64_t> found_;  // one bit for each voter
   std::vector<std::uint32_t> at_;
   std::vector<kernels::VoteSums> sums_;
 };
 
 constexpr std::uint64_t kNothingOut = 0;
 
-/// 64 bits that differ where the sums do, but for a chance of 2^-64 (mixing step of MurmurHash3's finaliser, Appleby).
+/// A digest of 64 bits: different sums have the same digest with probability 2^-64 (mixing step of MurmurHash3's
+/// finaliser, Appleby).
 std::uint64_t digest_of(const kernels::VoteSums& sums) {
   std::uint64_t digest = 1;
   for (const std::int64_t value : sums.value) {
@@ -90,7 +91,7 @@ std::uint64_t digest_of(const kernels::VoteSums& sums) {
   return digest;
 }
 
-/// Of the blocks of voters that votes have reached, those voters whose own sums are others than what is out.
+/// Finds, in the blocks that have received votes, the voters whose sums differ from the published ones.
 VotersInOrder take_changed_voters(const voting::VotingField& field, TileKey key, VotedBase::Scale& out) {
   VotersInOrder changed(field.num_voters(key));
   field.for_each_changed(key, out.change, [&](const voting::ReceivedBlock& received) {
@@ -136,7 +137,7 @@ class PageWriter {
     begin_page();
   }
 
-  /// As many points as the page still holds go to it: how many of `count`, at least one.
+  /// Takes as many points as still fit into the page. Returns how many of `count`, at least one.
   std::size_t room_for_points(std::size_t count) { return room(count, point_bytes_); }
   std::size_t room_for_tensors(std::size_t count) { return room(count, kTensorBytes); }
   voted_points_t& page() { return pages_.back(); }
@@ -217,7 +218,7 @@ void append_tensors(voted_points_t& page, std::size_t scale, const WireTensors& 
 std::vector<voted_points_t> make_voted_pages(TileKey key, const PointTile& tile, std::int32_t revision, VotedBase& base,
                                              std::span<const voting::VotingField> fields) {
   voted_points_t header{};
-  header.utime = tile.utime;  // its own points' time, not its neighbours': a fact of the content
+  header.utime = tile.utime;  // the time of its own points, not its neighbours': it depends on the content alone
   header.tile_x = key.x;
   header.tile_y = key.y;
   header.z_origin = static_cast<float>(tile.z_origin);

@@ -12,21 +12,21 @@
 
 namespace curbstone::tensor_voting::worker {
 
-/// What is out of a tile: what the next step goes on from. As it begins: nothing.
+/// The published state of a tile: the base of the next delta. Initially empty.
 struct VotedBase {
   struct Scale {
     std::int64_t change = 0;  ///< VotingField::change()
-    /// Of the sums that are out: block by block, voter by voter.
+    /// Digests of the published sums: block by block, voter by voter.
     std::vector<std::array<std::uint64_t, kernels::kLanes>> digests;
   };
   std::int32_t revision = 0;
   std::size_t num_points = 0;
-  std::vector<Scale> scales;  ///< empty: not known any more; then all sums are others
+  std::vector<Scale> scales;  ///< empty: not known any more; the next delta then contains all tensors
 };
 
-/// The step from `base` to a tile as it is, as VOTED_POINTS messages of at most kMaxPageBytes: its new points, in the
-/// mapper's order, and the decomposed tensors of each field's scale that have become others. At least one message.
-/// `base` becomes that of the step after it.
+/// Makes the delta from `base` to a tile's present state, as VOTED_POINTS messages of at most kMaxPageBytes: its new
+/// points, in the mapper's order, and the changed tensors of each field's scale, decomposed. Returns at least one
+/// message. Updates `base` to the present state.
 [[nodiscard]] std::vector<voted_points_t> make_voted_pages(TileKey key, const PointTile& tile, std::int32_t revision,
                                                            VotedBase& base,
                                                            std::span<const voting::VotingField> fields);
