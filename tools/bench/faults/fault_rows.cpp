@@ -128,6 +128,19 @@ Fault silent(const std::string& sensor) {
           18, fmt::format("--fault {}-silent:{}-{}", sensor, kMidDrive, kMidDrive + 2)};
 }
 
+/// As a dip of the power at the sensors' hub.
+Fault all_silent() {
+  std::string options;
+  for (const char* sensor : {"lidar", "imu", "wheels"})
+    options += fmt::format("--fault {}-silent:{}-{} ", sensor, kMidDrive, kMidDrive + 4);
+  return {"all sensors silent for 4 s",
+          [](StackDrive& drive) {
+            drive.go_on_until(kMidDrive);
+            drive.fault_is_over();
+          },
+          18, options};
+}
+
 }  // namespace
 
 std::vector<Fault> all_faults() {
@@ -141,6 +154,7 @@ std::vector<Fault> all_faults() {
     faults.push_back(frozen(command));
   faults.push_back(busy_cpu());
   for (const char* sensor : {"lidar", "imu", "wheels"}) faults.push_back(silent(sensor));
+  faults.push_back(all_silent());
   faults.push_back(disk_full());
   faults.push_back(interface_down());
   faults.push_back(each_killed_in_turn());
