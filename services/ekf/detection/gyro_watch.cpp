@@ -12,8 +12,7 @@ constexpr int kOften = 15;                  // changes by fine steps, more than 
 constexpr int kBlock = 300;                 // changes over which a coarse step is learnt
 constexpr int kLongRun = 5;                 // repeats after which an axis is not trusted again yet
 constexpr double kMostly = 0.8;  // share of the samples with a change of another axis in which both others change
-constexpr std::int64_t kLeast =
-    250'000;  // us, minimum duration of a run: a gyro with a 5 Hz filter has a new value by then
+constexpr std::int64_t kLeast = 250'000;  // us, shortest run: a gyro with a 5 Hz filter has a new value by then
 
 }  // namespace
 
