@@ -28,7 +28,7 @@ constexpr int kFailedStatus = 1;
 constexpr int kNoDeputyStatus = 3;
 constexpr int kConflictStatus = 4;
 
-/// As procman's sheriffs name themselves.
+/// The name in the format of procman's sheriffs.
 std::string sheriff_name(std::int64_t begun) {
   return fmt::format("{}:{}:{}", host_name(), getpid(), begun);
 }
