@@ -29,9 +29,7 @@ class DriverCapture {
   /// Throws std::runtime_error if the file is damaged or cut off.
   void advance();
 
-  [[nodiscard]] std::int64_t foreign() const {
-    return foreign_ + sender_.foreign();
-  }  ///< packets to the ports from other senders
+  [[nodiscard]] std::int64_t foreign() const { return foreign_ + sender_.foreign(); }  ///< from other senders
   [[nodiscard]] std::string sender_fault() const { return sender_.fault(newest_); }
   [[nodiscard]] std::int64_t fragments() const { return before_.fragments + source_->skipped().fragments; }
   [[nodiscard]] std::int64_t cut() const { return before_.cut + source_->skipped().cut; }

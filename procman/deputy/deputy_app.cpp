@@ -26,9 +26,8 @@ constexpr std::size_t kLinesResent = 50;
 constexpr std::int64_t kOldStatus = 5'000'000;  // us: an older status comes from a log that is being played
 
 // By then the drivers have their ports open, and doctor can check what they receive.
-constexpr std::int64_t kDoctorAfter = 10'000'000;  // us
-constexpr std::int64_t kDoctorAgain =
-    600'000'000;  // us, while it finds something: what was mended is no fault any more
+constexpr std::int64_t kDoctorAfter = 10'000'000;   // us
+constexpr std::int64_t kDoctorAgain = 600'000'000;  // us, while it has findings, so that fixed ones disappear
 
 /// Programs are looked up beside the deputy first, and a vehicle's config where it is usually installed.
 void prepare_environment() {
