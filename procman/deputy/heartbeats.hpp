@@ -15,7 +15,7 @@ class Heartbeats {
  public:
   static constexpr std::int64_t kFirst = 30'000'000;  ///< us from start to first status: a map may have to be loaded
 
-  /// A command was started. It hangs after `seconds` of silence; 0: it is not watched.
+  /// A command was started. It counts as hung after `seconds` of silence; 0: it is not watched.
   void begin(const std::string& id, double seconds, std::int64_t now);
   void end(const std::string& id) { lives_.erase(id); }
   /// A status of the command has arrived.

@@ -26,7 +26,7 @@ class WitDevice final : public device::ImuDevice {
 
  private:
   struct Group {
-    unsigned ids = 0;  // bit k: frame 0x50 + k has come
+    unsigned ids = 0;  // bit k: frame 0x50 + k was received
     std::uint8_t last = 0;
     bool broken = false;     // data was lost within it
     bool done = false;       // used or counted

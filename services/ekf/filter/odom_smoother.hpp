@@ -26,8 +26,7 @@ class OdomSmoother {
   /// Converts an estimate of the belief to the published one. Its covariance grows by the square of what is held back,
   /// which is a known error.
   void apply(model::Estimate& estimate) const;
-  /// The believed pose without any correction and without what was made up for: its increments are those that were
-  /// measured.
+  /// Pose without any correction by the filter and without smoothing: its increments are those that were measured.
   [[nodiscard]] Pose uncorrected(const Pose& believed) const { return T_uncorrected_belief_ * believed; }
 
  private:
