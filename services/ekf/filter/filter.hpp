@@ -44,7 +44,8 @@ namespace curbstone::ekf::filter {
 /// The correction of position and heading is spread over the distance that follows (OdomSmoother).
 ///
 /// Takes samples in the order of their stamps (Sequencer, RewindingFilter). A stamp that goes back, or a step of more
-/// than timing.max_jump, restarts the clock: the pose is kept, and the covariance of speed and tilt is widened.
+/// than timing.max_jump, restarts the clock: the pose is kept, and the covariance of position, speed and tilt is
+/// widened.
 ///
 /// A value type without clock or threads: a copy is a check point from which it can continue.
 class Filter {

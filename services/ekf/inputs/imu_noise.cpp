@@ -10,7 +10,7 @@ namespace {
 constexpr double kFloor = 1e-4;  // rad/s, m/s^2: for an axis that has had no noise yet, so that it can learn
 constexpr double kUneven = 0.5;  // share of a step by which the next one may differ
 
-/// The measured density if it is at least twice the configured one: with a weight that increases from there on.
+/// Density to use: configured up to twice its value, then growing continuously towards the measured one.
 double applied(double measured, double configured) {
   return std::max(configured, std::sqrt(std::max(0.0, measured * measured - 3.0 * configured * configured)));
 }

@@ -26,9 +26,10 @@ class ImuNoise {
   [[nodiscard]] double gyro() const { return density_of(gyro_); }
   [[nodiscard]] double accelerometer() const { return density_of(accelerometer_); }
 
-  /// The configured noise, or the measured one where the IMU is clearly noisier (twice).
+  /// The configured density c, or from a measured density m of 2 c on sqrt(m^2 - 3 c^2), which grows continuously from
+  /// c towards m.
   [[nodiscard]] base::NoiseConfig applied_to(const base::NoiseConfig& configured) const;
-  /// Measured densities where applied_to() exceeds the configured ones; else 0.
+  /// Densities of applied_to() where they exceed the configured ones; else 0.
   struct Excess {
     double gyro = 0.0, accelerometer = 0.0;
     double per_sample = 0.0;  ///< 1/sqrt(s): factor from a density to 1 sigma of a sample
