@@ -78,10 +78,10 @@ class TurnScale {
   static constexpr double kStill = 0.02;  // of the wheels' square
   static constexpr std::size_t kStretches = 5;
   static constexpr double kMostScale = 5.0;
-  static constexpr double kRunsAway = 0.4;  // rad/s, a rate at which no driving vehicle turns against its wheels
-  static constexpr double kLongAway =
-      1.0;  // rad/s: no driving vehicle turns faster than this plus kMostScale times its wheels' yaw rate
-  static constexpr double kDriving = 0.3;  // m/s
+  static constexpr double kRunsAway =
+      0.4;  // rad/s beyond kMostScale times the wheels' rate: no vehicle turns like that
+  static constexpr double kLongAway = 1.0;  // s, for that long
+  static constexpr double kDriving = 0.3;   // m/s
   /// A gyro in another unit exceeds the wheels' yaw rate by far: kLongAway of it is enough.
   void note_run_away(double seconds, double speed, double wheel_rate, double gyro_rate) {
     const bool away = std::abs(gyro_rate) > kRunsAway + kMostScale * std::abs(wheel_rate);
