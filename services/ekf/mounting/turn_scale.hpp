@@ -78,8 +78,7 @@ class TurnScale {
   static constexpr double kStill = 0.02;  // of the wheels' square
   static constexpr std::size_t kStretches = 5;
   static constexpr double kMostScale = 5.0;
-  static constexpr double kRunsAway =
-      0.4;  // rad/s beyond kMostScale times the wheels' rate: no vehicle turns like that
+  static constexpr double kRunsAway = 0.4;  // rad/s, in addition to kMostScale times the wheels' rate
   static constexpr double kLongAway = 1.0;  // s, for that long
   static constexpr double kDriving = 0.3;   // m/s
   /// A gyro in another unit exceeds the wheels' yaw rate by far: kLongAway of it is enough.
