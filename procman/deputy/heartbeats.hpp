@@ -33,7 +33,7 @@ class Heartbeats {
   /// Commands that have sent a status in this life and have been silent for longer than kQuiet, with the duration in s.
   /// They may be stopped, or get no CPU; they are left alone until take_silent() returns them. Empty while the deputy
   /// is deaf.
-  static constexpr std::int64_t kQuiet = 2'500'000;  ///< us; statuses come at 1 Hz
+  static constexpr std::int64_t kQuiet = 2'500'000;  ///< us; statuses are sent at 1 Hz
   [[nodiscard]] std::vector<std::pair<std::string, double>> quiet(std::int64_t now) const;
 
   /// Whether it has sent a status in this life. Always true for a command that is not watched.

@@ -20,7 +20,7 @@ namespace curbstone::procman::sheriff {
 
 namespace {
 
-constexpr std::int64_t kListen = 1'500'000;     // us: deputies and sheriffs speak once a second
+constexpr std::int64_t kListen = 1'500'000;     // us: deputies and sheriffs send once a second
 constexpr std::int64_t kClaimPeriod = 200'000;  // us
 constexpr std::int64_t kRefresh = 500'000;      // us
 constexpr std::chrono::milliseconds kTurn(50);

@@ -66,7 +66,7 @@ class LostAxes {
   detection::GyroWatch watch_;
   base::ImuSample sample_, before_;
   std::array<bool, 3> lost_{};
-  std::array<double, 3> bias_{};  // rad/s, by when it lived last
+  std::array<double, 3> bias_{};  // rad/s, from when the axis last worked
   std::array<Astray, 3> astray_{};
 };
 
