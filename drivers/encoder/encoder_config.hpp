@@ -6,23 +6,23 @@
 
 namespace curbstone::encoder {
 
-/// How the drive is reached.
+/// Connection to the drive.
 enum class Interface {
-  kSlcan,      ///< CAN by a serial adapter that speaks SLCAN
+  kSlcan,      ///< CAN by a serial adapter with SLCAN
   kSocketCan,  ///< the kernel's CAN
   kModbusRtu,  ///< Modbus on a serial line, RS485
   kModbusTcp,  ///< Modbus over TCP, through a gateway
   kFile,       ///< recorded CAN frames
 };
 
-/// What raw CAN signals tell.
+/// Contents of raw CAN signals.
 enum class SignalKind {
-  kNone,    ///< there are none: the drive speaks CANopen
-  kCounts,  ///< of the encoders
-  kSpeeds,  ///< of the wheels
+  kNone,    ///< no signals: the drive speaks CANopen
+  kCounts,  ///< encoder counts
+  kSpeeds,  ///< wheel speeds
 };
 
-/// The `encoder.signals:` part: wheels that are read from raw CAN frames.
+/// Section `encoder.signals:`: wheels read from raw CAN frames.
 struct SignalsConfig {
   SignalKind kind = SignalKind::kNone;
   std::string left = "181 0|32@1-";
@@ -38,7 +38,7 @@ struct SignalsConfig {
   }
 };
 
-/// The `encoder.modbus:` part.
+/// Section `encoder.modbus:`.
 struct ModbusConfig {
   std::string host = "192.168.1.10";  ///< IPv4 address of the gateway
   int port = 502;
@@ -55,22 +55,22 @@ struct ModbusConfig {
   }
 };
 
-/// The `encoder:` section of a vehicle's file.
+/// Section `encoder:` of a vehicle's file.
 struct EncoderConfig {
   Interface interface = Interface::kSlcan;
   std::string device = "/dev/ttyACM0";  ///< serial port, or network interface ("can0")
   int baud = 115200;                    ///< of the serial port
   int bitrate = 500;                    ///< kbit/s of the CAN bus, for slcan; socketcan's is set by `ip link`
   int node = 1;                         ///< CANopen node id of the drive
-  bool configure = true;                ///< set the drive up; false: another master does, only listen
+  bool configure = true;                ///< set the drive up; false: another master does, this one only listens
   int period = 10;                      ///< ms between position samples
   double event_timer_unit = 0.5;        ///< ms; of object 1800:05
   double counts_per_revolution = 4096;  ///< of a wheel; usually 4 x the encoder's lines
-  bool check_encoder_lines = true;      ///< compare counts_per_revolution with what the drive says
+  bool check_encoder_lines = true;      ///< compare counts_per_revolution with the drive's own value
   bool invert_left = false;             ///< the wheel counts down when the vehicle drives forward
   bool invert_right = true;
-  double max_speed = 150;  ///< rad/s of a wheel, 25 m/s at 0.17 m: more is a corrupted frame
-  double silence = 0.5;    ///< s without positions after which it is a fault, and the drive is set up again
+  double max_speed = 150;  ///< rad/s of a wheel, 25 m/s at 0.17 m: more means a corrupted frame
+  double silence = 0.5;    ///< s without positions that are a fault, and after which the drive is set up again
   ModbusConfig modbus;
   SignalsConfig signals;
   std::string file;      ///< candump log or PCAN trace, for file

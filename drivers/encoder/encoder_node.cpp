@@ -112,7 +112,7 @@ void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw&
     return counters_.add("withheld.two_senders");
   }
   if (were_two) begin_anew();
-  // A sample that is none would put the clock, which counts them, a period wrong.
+  // The clock counts samples: a repeated frame would shift it by a period.
   const double period = static_cast<double>(clock_.period()) * 1e-6;
   const bool at_once = receive_utime - last_received_ < clock_.period() / 4;
   if (at_once && counts == last_counts_ && odometer_.turns_fast(period)) {
@@ -120,7 +120,7 @@ void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw&
     refusal_ = "refused.repeated";
     return;
   }
-  // Another node with the same id sends when it likes: the clock must not count its frames either.
+  // Another node with the same id sends at any time: the clock must not count its frames either.
   if (clock_.is_early(receive_utime) && !odometer_.can_be(counts, period * static_cast<double>(waiting_.size() + 1))) {
     counters_.add("refused.jump");
     refusal_ = "refused.jump";
@@ -144,8 +144,8 @@ void EncoderNode::on_signals(std::int64_t receive_utime, const can::CanFrame& fr
   const auto values = signals_->on_frame(receive_utime, frame);
   if (signals_->counters()["refused.length"] != refused) refusal_ = "refused.length";
   if (!values) return;
-  // Nothing tells that who counts has lost power: after a silence it may count from 0. The first sample has no speed
-  // then.
+  // No message reports that the counting node has lost power: after a silence it may count from 0. The first sample
+  // then has no speed.
   const bool first = last_received_ == 0 || receive_utime - last_received_ > microseconds(config_.silence);
   if (config_.signals.kind == SignalKind::kSpeeds) {
     if (first) speedometer_.restart();
@@ -185,7 +185,7 @@ void EncoderNode::release_first() {
   for (First& first : std::exchange(first_, {})) stamp(std::move(first.arrived), first.evidence);
 }
 
-/// They were interrupted before their period was known: so are their times.
+/// Drops samples that were interrupted before their period was known: their times are unknown too.
 void EncoderNode::drop_first() {
   if (!first_.empty()) counters_.add("withheld.unsure", static_cast<std::int64_t>(first_.size()));
   first_.clear();
@@ -202,7 +202,7 @@ void EncoderNode::stamp(Arrived arrived, const PeriodClock::Evidence& evidence) 
 }
 
 void EncoderNode::on_stamp(std::int64_t now, const Arrived& arrived, const PeriodClock::Stamp& stamp) {
-  // Speeds by the drive's own periods: a correction of the clock's offset is no change of speed.
+  // Speeds use the drive's own periods: a correction of the clock's offset is no change of speed.
   std::int64_t passed = stamp.restarted ? arrived.receive_utime - last_stamped_ : stamp.steps * clock_.period();
   if (passed < 0) passed = clock_.period();  // the host's clock was set back
   const double elapsed = static_cast<double>(passed) * 1e-6;
@@ -247,9 +247,9 @@ void EncoderNode::on_link(std::int64_t now, bool up, const std::string& why) {
   if (up && !signals_) drive_.start(now);
 }
 
-/// Forward it shows only as a delay, which the clock's window would believe for seconds.
+/// A step forward looks like a delay, which the clock's window would accept for seconds.
 void EncoderNode::clock_was_set(std::int64_t by) {
-  if (by <= 0) return;  // frames that come before those before tell
+  if (by <= 0) return;  // frames with earlier times of receipt show it
   counters_.add("clock_jumps");
   drop_first();
   clock_.restart();

@@ -26,31 +26,31 @@
 
 namespace curbstone::encoder {
 
-/// The CAN ids that a source must let through; bit 31 marks one of 29 bits. Throws as EncoderNode does.
+/// The CAN ids that a source must pass on; bit 31 marks a 29-bit id. Throws as EncoderNode does.
 [[nodiscard]] std::vector<std::uint32_t> can_ids(const EncoderConfig& config);
 
-/// CAN frames of a two-wheel drive in, from any source, WHEELS out. It has no socket and no clock: frames come with
-/// their time of receipt (us since the Unix epoch), and frames to the drive leave through `send`. One thread.
+/// Converts the CAN frames of a two-wheel drive, from any source, to WHEELS. It has no socket and no clock: frames come
+/// with their time of receipt (us since the Unix epoch), and frames to the drive go to `send`. One thread.
 ///
 /// PeriodClock makes the stamps: evenly spaced as the drive samples, not as frames arrive. They strictly increase,
-/// unless the host's clock is set back. A sample waits where its time is not certain yet. With `signals`, the wheels
-/// are read from raw frames and no drive is known: nothing is sent, and `enabled` is false. From a file the time is
-/// that of the frames, whatever tick() says. The first samples wait until their period is known (FirstPeriod), and for
-/// 0.1 s at least (SettlingStart).
+/// unless the host's clock is set back. A sample waits until its time is certain. With `signals` the wheels are read
+/// from raw frames and the drive is unknown: nothing is sent, and `enabled` is false. From a file the time is that of
+/// the frames, whatever tick() gets. The first samples wait until their period is known (FirstPeriod), and for at least
+/// 0.1 s (SettlingStart).
 class EncoderNode final : public Node {
  public:
   using Send = std::function<void(const can::CanFrame&)>;
 
-  /// Throws std::runtime_error, with one clear line, for signals that are none.
+  /// Throws std::runtime_error with a one-line message for invalid signals.
   EncoderNode(
       const EncoderConfig& config, Publisher& bus, Send send = [](const can::CanFrame&) {});
 
   void connect(Subscriber&) override {}
   void on_frame(std::int64_t receive_utime, const can::CanFrame& frame);
-  /// `up`: frames can be sent from this time on (assumed at first). The drive is set up then. Otherwise the adapter or
-  /// interface is not ready or has vanished, and `why` says so in a line.
+  /// `up`: frames can be sent from now on (assumed at the start), and the drive is set up. Otherwise the adapter or
+  /// interface is not ready or has vanished, and `why` gives the reason in one line.
   void on_link(std::int64_t now, bool up, const std::string& why);
-  /// The link refused a line or a frame; `cause` as the counter has it.
+  /// The link refused a line or a frame; `cause` is the counter's name.
   void on_refused(std::int64_t now, const char* cause) { share_.refused(now, cause); }
   void clock_was_set(std::int64_t by) override;
   void tick(std::int64_t now) override;
@@ -65,14 +65,14 @@ class EncoderNode final : public Node {
   void on_counts(std::int64_t receive_utime, const WheelCounter::Raw& counts);
   void on_signals(std::int64_t receive_utime, const can::CanFrame& frame);
   using Update = std::function<Sample(double elapsed)>;
-  struct Arrived {  // what waits for its stamp
+  struct Arrived {  // waits for its stamp
     std::int64_t receive_utime;
     Update update;
     std::array<std::uint16_t, 2> faults;
     bool enabled;
-    bool stuck;  // neither count tells anything
+    bool stuck;  // neither count is usable
   };
-  struct First {  // what waits for the period
+  struct First {  // waits for the period
     Arrived arrived;
     PeriodClock::Evidence evidence;
   };
@@ -84,7 +84,7 @@ class EncoderNode final : public Node {
   void on_stamp(std::int64_t now, const Arrived& arrived, const PeriodClock::Stamp& stamp);
 
   EncoderConfig config_;
-  canopen::WheelDrive drive_;                     // idle where there are signals
+  canopen::WheelDrive drive_;                     // idle if there are signals
   std::optional<signals::WheelSignals> signals_;  // instead of a CANopen drive
   WheelCounter odometer_;
   SpeedCounter speedometer_;
@@ -105,7 +105,7 @@ class EncoderNode final : public Node {
   std::int64_t last_frame_ = 0;  // received
   std::string link_fault_;
   RefusalShare share_;
-  const char* refusal_ = nullptr;  // why the frame in hand was refused
+  const char* refusal_ = nullptr;  // why the current frame was refused
   std::function<void(NodeReport&)> add_report_;
   Counters counters_;
 };

@@ -8,11 +8,11 @@ namespace curbstone::encoder {
 
 namespace {
 
-constexpr std::int64_t kJitter = 500;   // us: a gap that is off by no more is like the others,
-constexpr std::int64_t kShare = 20;     // or by no more than this part of them
-constexpr std::int64_t kStep = 100;     // us, of a timer: a measured period is a multiple of it,
-constexpr std::int64_t kCoarse = 500;   // us, or of this, where the gaps are uneven
-constexpr std::int64_t kOffByMean = 5;  // parts: by less than one the mean of uneven gaps proves nothing
+constexpr std::int64_t kJitter = 500;   // us: gaps that differ by no more are alike,
+constexpr std::int64_t kShare = 20;     // or by no more than this fraction (1/20) of a gap
+constexpr std::int64_t kStep = 100;     // us, resolution of a timer: a measured period is a multiple of it
+constexpr std::int64_t kCoarse = 500;   // us, the resolution used if the gaps are uneven
+constexpr std::int64_t kOffByMean = 5;  // 1/5: a mean of uneven gaps that differs by less proves nothing
 
 std::int64_t rounded(std::int64_t period, std::int64_t step) {
   return std::max((period + step / 2) / step * step, step);
@@ -31,7 +31,7 @@ std::optional<std::int64_t> FirstPeriod::add(std::int64_t received) {
   return kOffByMean * std::abs(of_all - nominal_) <= nominal_ ? nominal_ : rounded(of_all, kCoarse);
 }
 
-/// Of the newest.
+/// Mean of the newest gaps.
 std::int64_t FirstPeriod::mean(std::size_t gaps) const {
   return (arrivals_.back() - arrivals_[arrivals_.size() - 1 - gaps]) / static_cast<std::int64_t>(gaps);
 }
@@ -49,7 +49,7 @@ bool FirstPeriod::explains(std::int64_t period, std::size_t gaps) const {
   return 2 * (latest - earliest) < period;
 }
 
-/// The mean of those that are alike, if most are: a lost sample makes one that is not.
+/// Mean of the gaps that are alike, if most are: a lost sample makes one that is not.
 std::optional<std::int64_t> FirstPeriod::of_like_gaps() const {
   std::vector<std::int64_t> gaps;
   for (std::size_t i = arrivals_.size() - kMany; i < arrivals_.size(); ++i)

@@ -6,13 +6,13 @@
 
 namespace curbstone::encoder {
 
-/// Which period a drive keeps, by the arrivals of its first samples: a PeriodClock that took another period for granted
-/// would stamp them wrong by up to 0.3 s, until it had measured.
+/// Determines a drive's period from the arrivals of its first samples: a PeriodClock with a wrong period would stamp
+/// them wrong by up to 0.3 s until it had measured.
 ///
-/// It is the nominal one if that explains kFew gaps in a row to half of it, so that a host that is late by a few ms and
-/// a period that is off by 5 % are distinguished. Another one is measured over kMany gaps. If all come in bunches,
-/// kMost samples are awaited; then the nominal one is believed unless the mean is off by more than 20 %. Pure; one
-/// thread. All times in us.
+/// The period is the nominal one if that explains kFew gaps in a row to half of it, which distinguishes a host that is
+/// late by a few ms from a period that is off by 5 %. Another period is measured over kMany gaps. If all samples arrive
+/// in bunches, it waits for kMost of them; then the period is the nominal one unless the mean differs by more than 20
+/// %. Pure; one thread. All times in us.
 class FirstPeriod {
  public:
   static constexpr std::size_t kFew = 12;
@@ -21,9 +21,9 @@ class FirstPeriod {
 
   explicit FirstPeriod(std::int64_t nominal) : nominal_(nominal) {}
 
-  /// The next sample arrives. Says the period once it is known.
+  /// Adds the arrival of the next sample. Returns the period once it is known.
   [[nodiscard]] std::optional<std::int64_t> add(std::int64_t received);
-  /// The samples were interrupted: from the beginning.
+  /// Restarts after an interruption.
   void restart() { arrivals_.clear(); }
 
  private:

@@ -15,7 +15,7 @@ using namespace curbstone;
 using encoder::EncoderConfig;
 using encoder::Interface;
 
-/// Outlive the loop that calls them.
+/// The links outlive the loop that calls them.
 struct Links {
   std::unique_ptr<encoder::can::CanLink> can;
   std::unique_ptr<encoder::modbus::ModbusLink> modbus;

@@ -11,7 +11,7 @@
 namespace curbstone::encoder {
 
 namespace {
-constexpr double kOldStatus = 3;  // readings of it that failed
+constexpr double kOldStatus = 3;  // readings of the status that failed
 }
 
 modbus::ModbusSettings modbus_settings(const EncoderConfig& config) {

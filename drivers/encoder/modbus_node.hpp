@@ -17,11 +17,12 @@ namespace curbstone::encoder {
 
 [[nodiscard]] modbus::ModbusSettings modbus_settings(const EncoderConfig& config);
 
-/// Readings of a two-wheel drive over Modbus in, from any source, WHEELS out. It has no port and no clock. One thread.
+/// Converts readings of a two-wheel drive over Modbus, from any source, to WHEELS. It has no port and no clock. One
+/// thread.
 ///
-/// A reading's stamp is the middle between its request and its reply, which is where the counts were taken to half the
-/// round trip. After a silence the counts begin anew: the drive may have lost power and count from 0. Where the wheels
-/// turned meanwhile is lost, and the first reading has no speed, so it is not published.
+/// A reading's stamp is the middle between its request and its reply, which is accurate to half the round trip. After a
+/// silence the counts restart: the drive may have lost power and count from 0. The motion in the meantime is lost, and
+/// the first reading has no speed, so it is not published.
 class ModbusNode final : public Node {
  public:
   ModbusNode(const EncoderConfig& config, Publisher& bus);
@@ -29,7 +30,7 @@ class ModbusNode final : public Node {
   void connect(Subscriber&) override {}
   /// `now`: us since the Unix epoch.
   void on_reading(std::int64_t now, const modbus::Reading& reading);
-  /// `why`, when it is not up, is one line for people.
+  /// `why`, if the link is not up, is one line for the operator.
   void on_link(bool up, const std::string& why);
   void tick(std::int64_t now) override;
   [[nodiscard]] NodeReport report() const override;
@@ -44,13 +45,13 @@ class ModbusNode final : public Node {
   WheelCounter odometer_;
   StuckCounts stuck_;
   WheelsOutput output_;
-  modbus::Reading reading_;      // the last one
-  std::int64_t last_heard_ = 0;  // us, when it came, or the node began
+  modbus::Reading reading_;      // the latest one
+  std::int64_t last_heard_ = 0;  // us, of its receipt, else of the node's start
   std::int64_t began_ = 0;
   std::int64_t now_ = 0;
   bool was_up_ = false;
   std::string link_fault_;
-  RefusalShare share_;  // of readings; that of replies is the link's
+  RefusalShare share_;  // of readings; that of replies belongs to the link
   std::function<void(NodeReport&)> add_report_;
   LatencyWindow round_trips_;  // us
   Counters counters_;

@@ -9,13 +9,13 @@ namespace curbstone::encoder {
 namespace {
 constexpr std::int64_t kWindow = 3'000'000;  // us, of the offset
 constexpr std::int64_t kJump = 1'000'000;
-constexpr std::int64_t kPunctual = 800;  // us: a sample that is no later is on the period,
-constexpr std::int64_t kEarly = 300;     // us: nor earlier
-constexpr int kHopeless = 1000;          // samples given up
+constexpr std::int64_t kPunctual = 800;  // us: a sample that is later by no more is on the period
+constexpr std::int64_t kEarly = 300;     // us: nor earlier by more
+constexpr int kHopeless = 1000;          // released as unsure
 constexpr int kOrderly = PeriodClock::kSettle * 6 / 10;
 }  // namespace
 
-/// Those that wait are given up: nobody knows which time passed.
+/// Restarts. The waiting samples are released as unsure: how much time has passed is unknown.
 void PeriodClock::begin(std::int64_t received) {
   for (const Waiting& waiting : waiting_) decided_.push_back({.utime = waiting.received, .sure = false});
   waiting_.clear();
@@ -71,7 +71,8 @@ bool PeriodClock::comes_off_the_beat(std::int64_t received) const {
   return off_beat_ > 0 || received < offset_.offset() + (index_ + 1) * period_ - tolerance();
 }
 
-/// Whatever the period is now: a sample on the beat was taken then, and so many periods have passed.
+/// Takes a sample after one that was off the beat. Whatever the period is now, a sample that is on the beat was taken
+/// at that time, and the number of periods since the last one follows from it.
 void PeriodClock::take_off_the_beat(std::int64_t received, std::int64_t gap) {
   const std::int64_t since = received - offset_.offset() - index_ * period_;
   const auto steps = static_cast<int>((since + kEarly) / period_);
@@ -92,7 +93,8 @@ bool PeriodClock::is_early(std::int64_t received) const {
   return received < offset_.offset() + next * period_ - period_ / 4;
 }
 
-/// How much earlier than by the offset a sample may have been taken. At first nobody knows how late the best one was.
+/// us by which a sample may have been taken earlier than the offset says. At the start the delay of the best sample is
+/// unknown.
 std::int64_t PeriodClock::tolerance() const {
   return stamped_ < kSettle ? period_ / 2 : period_ / 8;
 }
@@ -110,7 +112,7 @@ void PeriodClock::decide_by_evidence() {
   if (position + 1 < waiting_.size()) decide(*missing, position, waiting_.size() - 1, true);
 }
 
-/// How many of the last kSettle that wait came within kPunctual of `delay`.
+/// Number of the last kSettle waiting samples that arrived within kPunctual of `delay`.
 int PeriodClock::count_punctual(std::int64_t delay) const {
   const auto close = [&](const Waiting& waiting) { return is_punctual(waiting.delay - delay); };
   return static_cast<int>(std::count_if(waiting_.end() - kSettle, waiting_.end(), close));
@@ -125,7 +127,7 @@ std::int64_t PeriodClock::least_delay() const {
   return std::min_element(waiting_.end() - kSettle, waiting_.end(), by_delay)->delay;
 }
 
-/// The first one that is on the period may be a late one that only looks so: from the second one on.
+/// The first sample on the period may be a late one that looks punctual: decides from the second one on.
 void PeriodClock::decide_by_order() {
   if (waiting_.size() < kSettle) return;
   const int missing = most_missing(least_delay());
@@ -139,7 +141,8 @@ void PeriodClock::decide_by_order() {
          static_cast<std::size_t>(std::distance(last, waiting_.rend())) - 1);
 }
 
-/// Those that wait keep a beat of their own, for the device was stopped meanwhile. Or it has become hopeless.
+/// Whether the waiting samples keep a beat of their own, because the device was stopped meanwhile, or no decision is in
+/// sight.
 bool PeriodClock::on_another_beat() const {
   if (waiting_.size() < kMost) return false;
   return given_up_ >= kHopeless || count_punctual(least_delay()) >= kOrderly;
@@ -151,8 +154,9 @@ void PeriodClock::give_up_oldest() {
   ++given_up_;
 }
 
-/// Before `first` so many are missing, and before `last` no more: the number never falls. `by_evidence`: two
-/// later ones agree on the number, and those before `first` are believed if theirs fits.
+/// Decides waiting samples up to `last`: `missing` samples are missing before `first`, and no more before `last`,
+/// because the number never decreases. `by_evidence`: two later samples agree on the number, and those before `first`
+/// are accepted if their own number fits.
 void PeriodClock::decide(int missing, std::size_t first, std::size_t last, bool by_evidence) {
   given_up_ = 0;
   int so_far = 0;
@@ -192,9 +196,9 @@ void PeriodClock::stamp_next(std::int64_t received, int steps, bool sure, int lo
                       .earlier = std::max<std::int64_t>(expected - last_stamp_, 0)});
 }
 
-/// A wrong timer unit doubles or halves the period, another drive has one of its own. A pause at a block's end spoils
-/// its mean: two blocks must agree. A small difference counts only where samples come evenly: lost ones change the
-/// mean, and bunches the median.
+/// A wrong timer unit doubles or halves the period; another drive has its own. A pause at a block's end falsifies its
+/// mean: two blocks must agree. A small difference counts only if samples arrive evenly: lost samples change the mean,
+/// and bunches the median.
 void PeriodClock::measure_period(std::int64_t received) {
   if (!running_ || block_size_++ == 0) {
     block_begin_ = block_last_ = received;

@@ -8,19 +8,20 @@
 
 namespace curbstone::encoder {
 
-/// Turns measured wheel speeds into angles, where a bus tells speeds and no counts: the integral, by trapezoids. It
-/// drifts with the error of the speeds. Positive forward for either wheel; index 0 is the left wheel. Pure; one thread.
+/// Integrates measured wheel speeds to angles by the trapezoidal rule, for a bus that reports speeds and no counts. The
+/// angles drift with the error of the speeds. Positive is forward for both wheels; index 0 is the left wheel. Pure; one
+/// thread.
 ///
 /// Counts: refused.jump (faster than the wheels can turn).
 class SpeedCounter {
  public:
   explicit SpeedCounter(const WheelCounter::Settings& settings) : settings_(settings) {}
 
-  /// `speeds` rad/s, as the bus has them; `elapsed` s since the last update() call. Empty if the speeds cannot be.
+  /// `speeds` rad/s, as on the bus; `elapsed` s since the last update() call. Empty if the speeds are impossible.
   std::optional<WheelCounter::Sample> update(const std::array<double, 2>& speeds, double elapsed);
-  /// `elapsed` s passed since the last update() or pass() call, and nothing is known of the speeds.
+  /// `elapsed` s have passed since the last update() or pass() call without known speeds.
   void pass(double elapsed) { since_accepted_ += elapsed; }
-  /// What the wheels turn until the next sample is not known.
+  /// The motion until the next sample is unknown.
   void restart() { last_.reset(); }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 

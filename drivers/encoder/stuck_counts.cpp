@@ -7,7 +7,7 @@
 namespace curbstone::encoder {
 
 namespace {
-constexpr double kRevolutions = 0.1 / 60 * 1e-6;  // a us, of 0.1 rpm
+constexpr double kRevolutions = 0.1 / 60 * 1e-6;  // revolutions per us, at 0.1 rpm
 }
 
 void StuckCounts::add(std::int64_t time, const std::array<std::int32_t, 2>& counts,

@@ -10,13 +10,14 @@
 
 namespace curbstone::encoder {
 
-/// Whether two nodes send counts under one id: they come by turns from here and from there, which no wheel does. Where
-/// they are far apart WheelCounter stays with the node that it knows, and refuses the other's as jumps. Two that have
-/// been switched on together count alike at first, and every count can be: then nobody knows which node is ours.
+/// Detects two nodes that send counts with one id: the counts alternate between two values, which no wheel does. If the
+/// values are far apart, WheelCounter stays with the node that it knows and refuses the other's counts as jumps. Two
+/// nodes that were switched on together count alike at first, and all counts are plausible: then the right node is
+/// unknown.
 ///
-/// A change is one way, then the other: by kLeastCounts and kLeastAngle at least, and by no more than wheels can turn
-/// in kNear s the first kBegin times. kBegin turns in a row are two nodes; kEnd counts in a row without one end it.
-/// Single counts that are corrupt make two turns. Pure; one thread.
+/// A turn is a change in one direction after a change in the other: both by at least kLeastCounts and kLeastAngle and,
+/// for the first kBegin turns, by no more than a wheel can turn in kNear s. kBegin turns in a row mean two nodes; kEnd
+/// counts in a row without a turn end that. A single corrupt count makes two turns. Pure; one thread.
 class TwoSenders {
  public:
   static constexpr double kLeastCounts = 8;
@@ -29,7 +30,7 @@ class TwoSenders {
       : least_(std::max(kLeastCounts, kLeastAngle * counts_per_revolution / (2 * std::numbers::pi))),
         most_(kNear * max_speed * counts_per_revolution / (2 * std::numbers::pi)) {}
 
-  /// Raw counts in the order of receipt. Returns whether there are two.
+  /// Adds raw counts in the order of receipt. Returns whether there are two senders.
   bool add(const std::array<std::int32_t, 2>& counts) {
     bool turned = false;
     for (std::size_t wheel = 0; wheel < 2 && last_; ++wheel) {
@@ -52,9 +53,9 @@ class TwoSenders {
  private:
   double least_, most_;  // counts
   std::optional<std::array<std::int32_t, 2>> last_;
-  std::array<double, 2> changes_{};  // counts, the last ones
+  std::array<double, 2> changes_{};  // counts, the latest changes
   int turns_ = 0;                    // in a row
-  int steady_ = 0;                   // counts in a row without one
+  int steady_ = 0;                   // counts in a row without a turn
   bool two_ = false;
 };
 

@@ -7,15 +7,15 @@
 namespace curbstone::encoder {
 
 namespace {
-constexpr int kMaxSuspects = 3;       // samples in a row that agree with each other: they are right
+constexpr int kMaxSuspects = 3;       // consecutive samples that agree with each other: they are right
 constexpr double kAcceleration = 20;  // rad/s^2, of a wheel
-// Counts a period: to stop at once from there takes 20 m/s^2 at 4096 counts, 0.17 m and 100 Hz.
+// Counts per period: to stop at once from there takes 20 m/s^2 at 4096 counts, 0.17 m and 100 Hz.
 constexpr double kTooFast = 8;
-constexpr double kUnexplained = 0.5;  // rad, of a wheel that slips for a sample
+constexpr double kUnexplained = 0.5;  // rad, of a wheel that slips for one sample
 constexpr double kAtZero = 4;         // counts
 }  // namespace
 
-/// Modulo 2^32: right across the wrap.
+/// Difference modulo 2^32: correct across the wrap.
 std::array<double, 2> WheelCounter::difference(const Raw& from, const Raw& to) {
   std::array<double, 2> moved;
   for (std::size_t i = 0; i < 2; ++i) {
@@ -69,14 +69,14 @@ double WheelCounter::accelerated(double time) const {
   return kAcceleration * time * time / 2 * settings_.counts_per_revolution / (2 * std::numbers::pi);
 }
 
-/// The rate may be wrong by as much as it is: stamps jitter.
+/// The rate may be wrong by its own magnitude, because stamps jitter.
 bool WheelCounter::explained(std::size_t wheel, double moved, double time) const {
   const double doubt = accelerated(time) + kUnexplained * settings_.counts_per_revolution / (2 * std::numbers::pi);
   return std::abs(moved - rate_[wheel] * time) <= doubt + std::abs(rate_[wheel]) * time;
 }
 
-/// Both counts are what wheels can have turned since the last sample from zero on, and one has leapt there: the drive
-/// has lost its supply, or somebody has set its counts.
+/// Whether both counts are within a wheel's turn from zero since the latest sample, and one has leapt there: the drive
+/// has lost its supply, or its counts were reset.
 bool WheelCounter::begins_at_zero(const Raw& raw, const std::array<double, 2>& moved) const {
   bool leapt = false;
   for (std::size_t i = 0; i < 2; ++i) {
@@ -125,7 +125,7 @@ std::optional<int> WheelCounter::likely_periods(const Raw& raw, int least, int m
   for (int periods = least + 1; periods <= most; ++periods) {
     if (surprise(periods) < surprise(best)) best = periods;
   }
-  // Of what the wheels turn in a period, a quarter may be unexplained, and a half is what could be otherwise.
+  // Undecided if more than a quarter of the turn in a period is unexplained, or the doubt, to both sides, exceeds half.
   const double turned = (std::abs(rate_[0]) + std::abs(rate_[1])) * period;
   const double periods = before + best;
   const double time = periods * period;

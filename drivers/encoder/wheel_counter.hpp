@@ -8,12 +8,12 @@
 
 namespace curbstone::encoder {
 
-/// Turns the drive's raw int32 counts into angles (rad) and speeds (rad/s), positive forward for either wheel. Index 0
+/// Converts the drive's raw int32 counts to angles (rad) and speeds (rad/s), positive forward for both wheels. Index 0
 /// is the left wheel, 1 the right. Raw counts may wrap. Pure; one thread.
 ///
-/// Counts: refused.jump (more than the wheels can turn, or back to zero at once; one corrupted frame),
-/// refused.old_counts (one has not changed, and from so fast it cannot have stopped; the distance is in the next
-/// sample), counts_restarted (a jump that stays: the drive counts anew; the distance meanwhile is lost).
+/// Counts: refused.jump (more than the wheels can turn, or a sudden zero; one corrupted frame), refused.old_counts (a
+/// count has not changed, though the wheel was too fast to have stopped; the distance is in the next sample),
+/// counts_restarted (a jump that persists: the drive has restarted its counts; the distance in the meantime is lost).
 class WheelCounter {
  public:
   using Raw = std::array<std::int32_t, 2>;
@@ -25,29 +25,29 @@ class WheelCounter {
   struct Sample {
     std::array<std::int64_t, 2> counts{};  ///< since the first sample
     std::array<double, 2> angle{};         ///< rad since the first sample
-    std::array<double, 2> speed{};         ///< rad/s, since the sample before
+    std::array<double, 2> speed{};         ///< rad/s, since the previous sample
   };
 
   explicit WheelCounter(const Settings& settings) : settings_(settings) {}
 
-  /// `elapsed` s since the last update() call. Empty if the counts cannot be.
+  /// `elapsed` s since the last update() call. Empty if the counts are impossible.
   std::optional<Sample> update(const Raw& raw, double elapsed);
-  /// The counter of the last update() that was empty.
+  /// Name of the counter for the last update() that returned nothing.
   [[nodiscard]] const char* refusal() const { return refusal_; }
-  /// The drive's counts begin anew with the next sample.
+  /// The drive's counts restart with the next sample.
   void restart() { last_.reset(); }
 
-  /// `elapsed` s passed since the last update() or pass() call, and nothing is known of the counts.
+  /// `elapsed` s have passed since the last update() or pass() call without known counts.
   void pass(double elapsed) { since_accepted_ += elapsed; }
 
-  /// How many periods of `period` s (least..most) have passed since the last update() or pass() call, if the wheels did
-  /// not accelerate more than vehicles do. Nothing where the counts do not tell, as with slow wheels.
+  /// Number of periods of `period` s (least..most) since the last update() or pass() call, assuming that the wheels did
+  /// not accelerate more than vehicles do. Nothing if the counts do not show it, as with slow wheels.
   [[nodiscard]] std::optional<int> likely_periods(const Raw& raw, int least, int most, double period) const;
 
-  /// Whether the wheels can have turned so far within `elapsed` s since the last update() or pass() call.
+  /// Whether the wheels can have turned that far within `elapsed` s since the last update() or pass() call.
   [[nodiscard]] bool can_be(const Raw& raw, double elapsed) const;
 
-  /// The wheels turned so fast that they cannot have stopped within `period` s.
+  /// Whether the wheels turned too fast to stop within `period` s.
   [[nodiscard]] bool turns_fast(double period) const;
 
   [[nodiscard]] const Counters& counters() const { return counters_; }
@@ -55,21 +55,21 @@ class WheelCounter {
  private:
   [[nodiscard]] static std::array<double, 2> difference(const Raw& from, const Raw& to);
   [[nodiscard]] bool possible(const std::array<double, 2>& moved, double time) const;
-  /// How far wheels can turn more than by their rate, counts.
+  /// counts, maximum turn beyond that at a constant rate.
   [[nodiscard]] double accelerated(double time) const;
-  /// By the rate, and by no more acceleration than vehicles have.
+  /// Whether the rate and a realistic acceleration explain the turn.
   [[nodiscard]] bool explained(std::size_t wheel, double moved, double time) const;
   [[nodiscard]] bool begins_at_zero(const Raw& raw, const std::array<double, 2>& moved) const;
   [[nodiscard]] bool is_old(const std::array<double, 2>& moved) const;
   [[nodiscard]] Sample sample(const std::array<double, 2>& moved, double elapsed) const;
 
   Settings settings_;
-  std::optional<Raw> last_;              // raw counts of the last accepted sample
+  std::optional<Raw> last_;              // raw counts of the latest accepted sample
   std::array<std::int64_t, 2> total_{};  // counts, signed forward
-  std::array<double, 2> rate_{};         // raw counts/s, over the last sample
-  double rate_time_ = 0;                 // s, that this took
+  std::array<double, 2> rate_{};         // raw counts/s, over the latest interval
+  double rate_time_ = 0;                 // s, duration of that interval
   double since_accepted_ = 0;            // s
-  std::optional<Raw> suspect_;           // the last sample that was refused
+  std::optional<Raw> suspect_;           // the latest refused sample
   int suspects_ = 0;
   const char* refusal_ = "refused.jump";
   Counters counters_;

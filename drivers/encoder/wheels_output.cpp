@@ -7,7 +7,7 @@
 namespace curbstone::encoder {
 
 namespace {
-constexpr std::int64_t kSetBack = 100'000;  // us: by less, samples wait until the host's clock has caught up
+constexpr std::int64_t kSetBack = 100'000;  // us: after a smaller step samples wait for the host's clock
 }
 
 wheels_t WheelsOutput::message(const WheelCounter::Sample& sample, std::int64_t utime) {

@@ -11,7 +11,7 @@
 
 namespace curbstone::encoder {
 
-/// WHEELS, as it goes out, whatever the wheels were read by: numbered, and with stamps that increase. One thread.
+/// Publishes WHEELS, from any way of reading them: with sequence numbers and increasing stamps. One thread.
 ///
 /// Counts: samples, dropped.not_newer, clock_jumps; clock.difference_us.
 class WheelsOutput {
@@ -20,11 +20,11 @@ class WheelsOutput {
 
   /// A message with the sample's counts, angles and speeds.
   [[nodiscard]] static wheels_t message(const WheelCounter::Sample& sample, std::int64_t utime);
-  /// `now`, us since the Unix epoch: when it was received, for the latency.
+  /// `now`: time of receipt, us since the Unix epoch, for the latency.
   void publish(wheels_t& message, std::int64_t now);
-  /// The stamps begin anew with one at `utime`: if that is earlier by 0.1 s, the host's clock was set.
+  /// The stamps restart at `utime`: if that is earlier by 0.1 s, the host's clock was set.
   void restart(std::int64_t utime);
-  /// Adds counters, latencies, and a fault if the stamps are not of the host's clock.
+  /// Adds counters, latencies, and a fault if the stamps are not on the host's clock.
   void report(NodeReport& report) const;
 
  private:

@@ -9,7 +9,7 @@ namespace curbstone::imu {
 
 namespace {
 constexpr std::int64_t kXbusFrames = 3;
-constexpr std::int64_t kWitFrames = 8;  // their sum is weaker, and a sample has four
+constexpr std::int64_t kWitFrames = 8;  // their sum is weaker, and a sample has four frames
 }  // namespace
 
 AutoDevice::AutoDevice(const device::DeviceSettings& settings, Send send)
@@ -35,7 +35,7 @@ void AutoDevice::listen(std::int64_t now, std::span<const std::uint8_t> bytes) {
 }
 
 void AutoDevice::on_link(std::int64_t now, bool up) {
-  xbus_ = {};  // another device may be plugged in
+  xbus_ = {};  // another device may have been plugged in
   wit_ = {};
   if (up) found_.reset();
   if (found_) found_->on_link(now, up);

@@ -8,8 +8,8 @@
 
 namespace curbstone::imu {
 
-/// Becomes the model whose frames are heard first. Until then nothing is sent: a command to one model may mean anything
-/// to another. So a device that is silent until it is set up needs its model's name.
+/// Becomes the model whose frames are received first. Until then nothing is sent, because a command for one model may
+/// mean anything to another. So a device that is silent until it is set up needs its model's name in the config.
 class AutoDevice final : public device::ImuDevice {
  public:
   AutoDevice(const device::DeviceSettings& settings, Send send);

@@ -5,8 +5,8 @@
 
 namespace curbstone::imu {
 
-/// Whether an IMU has been at the end of its range for long: not the shock of a kerb, but a range that does not fit the
-/// vehicle or its mount. Good samples between clipped ones do not end it before they go on for kPause. Pure; us.
+/// Detects that an IMU is at the end of its range for long: not the shock of a kerb, but a range that does not fit the
+/// vehicle or its mount. Good samples between clipped ones do not end it unless they last for kPause. Pure; us.
 class ClipWatch {
  public:
   static constexpr std::int64_t kLasting = 1'000'000;

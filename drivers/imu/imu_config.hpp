@@ -6,20 +6,20 @@
 
 namespace curbstone::imu {
 
-/// What the device is connected by: it decides how long a frame is under way before its last byte arrives.
+/// The device's connection, which determines the transmission time of a frame.
 enum class Line {
-  kUsb,   ///< no time worth counting
-  kUart,  ///< ten bits a byte at the configured baud
+  kUsb,   ///< transmission time negligible
+  kUart,  ///< ten bits per byte at the configured baud
 };
 
-/// Which protocol the device speaks.
+/// The device's protocol.
 enum class Model {
   kXsens,      ///< MTi: Xbus, MTData2
-  kWitMotion,  ///< WT901 and kin: 11-byte frames that begin with 0x55
-  kAuto,       ///< whichever is heard first
+  kWitMotion,  ///< WT901 and similar: 11-byte frames that begin with 0x55
+  kAuto,       ///< the model that is received first
 };
 
-/// The `imu:` section of a vehicle's file.
+/// Section `imu:` of a vehicle's file.
 struct ImuConfig {
   Model model = Model::kXsens;
   std::string device = "/dev/ttyUSB0";  ///< serial port of the IMU
@@ -27,9 +27,9 @@ struct ImuConfig {
   bool low_latency = true;  ///< ask the port's driver not to hold bytes back
   Line line = Line::kUsb;
   int rate = 100;           ///< Hz
-  bool configure = true;    ///< set the device up; false: it was set up by somebody else
-  bool orientation = true;  ///< ask for the device's own orientation too
-  double silence = 1.0;     ///< s without a sample after which it is a fault, and the device is set up again
+  bool configure = true;    ///< set the device up; false: it is set up already
+  bool orientation = true;  ///< request the device's own orientation too
+  double silence = 1.0;     ///< s without a sample that are a fault, and after which the device is set up again
 
   void visit(ConfigVisitor& v) {
     v.choice("model", model, {{"xsens", Model::kXsens}, {"witmotion", Model::kWitMotion}, {"auto", Model::kAuto}},

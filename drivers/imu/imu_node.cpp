@@ -20,7 +20,7 @@ namespace curbstone::imu {
 namespace {
 
 constexpr std::int64_t kWatchPeriod = 1'000'000;  // us
-constexpr std::int64_t kSetBack = 100'000;        // us: by less, samples wait until the host's clock has caught up
+constexpr std::int64_t kSetBack = 100'000;        // us: after a smaller step samples wait for the host's clock
 
 constexpr std::array<std::int32_t, 3> kStuckBits = {imu_t::GYRO_X_STUCK, imu_t::GYRO_Y_STUCK, imu_t::GYRO_Z_STUCK};
 constexpr std::array kStuckCounters = {"stuck.gyro_x", "stuck.gyro_y", "stuck.gyro_z"};
@@ -59,7 +59,7 @@ void ImuNode::on_bytes(std::int64_t receive_utime, std::span<const std::uint8_t>
   note_refusals(receive_utime);
 }
 
-/// What came of the device's frames since this was called last.
+/// Updates the refusals from the device's counters since the last call.
 void ImuNode::note_refusals(std::int64_t now) {
   Counters counters = device_->counters();
   std::int64_t refused = 0;
@@ -82,7 +82,7 @@ void ImuNode::on_sample(const device::ImuSample& sample) {
   use(sample, to_host(*sample.time, sample.received));
 }
 
-/// What the read brought that tells no time.
+/// Stamps the samples of one read that have no device time.
 void ImuNode::stamp_untimed(std::int64_t receive_utime) {
   std::vector<std::int64_t> times;
   for (const device::ImuSample& sample : untimed_) times.push_back(sample.received);
@@ -121,7 +121,7 @@ void ImuNode::use(const device::ImuSample& sample, HostTime at) {
   start_.pass(std::move(message), sample.received, at.earlier, [&](imu_t& m) { publish(m, sample.received); });
 }
 
-/// An axis that is stuck at the end of its range makes no clipping: it is not used in any case.
+/// An axis that is stuck at the end of its range is not reported as clipping: it is not used in any case.
 std::int32_t ImuNode::status_of(const device::ImuSample& sample) const {
   std::int32_t status = self_test_failed_ ? imu_t::SELF_TEST_FAILED : 0;
   if (sample.force_clips) status |= imu_t::CLIPPING;
@@ -156,10 +156,10 @@ void ImuNode::restart_clock() {
   clock_begun_ = false;
 }
 
-/// The host's clock was set: its times before mean nothing now. Forward it shows only as a delay, which the clock's
-/// window would believe for seconds.
+/// The host's clock was set: its earlier times are invalid. A step forward looks like a delay, which the clock's window
+/// would accept for seconds.
 void ImuNode::clock_was_set(std::int64_t by) {
-  if (by <= 0) return;  // bytes that come before those before tell
+  if (by <= 0) return;  // bytes with earlier times of receipt show it
   counters_.add("clock_jumps");
   clock_ = ClockOffset();
   clock_begun_ = false;
@@ -183,7 +183,7 @@ ImuNode::HostTime ImuNode::to_host(std::int64_t device_time, std::int64_t receiv
   start_.begin(receive_utime);
   if (jumped) {
     counters_.add("clock_jumps");
-    if (receive_utime < last_sample_) last_utime_ = 0;  // the host's clock was set: its times before mean nothing now
+    if (receive_utime < last_sample_) last_utime_ = 0;  // the host's clock was set back: its earlier times are invalid
   }
   return {utime, 0};
 }
@@ -202,7 +202,7 @@ void ImuNode::tick(std::int64_t now) {
   refusals_.tick(now);
 }
 
-/// More garbage than frames within a second is a fault; a byte now and then is not.
+/// More garbage than frames within a second is a fault; a single byte now and then is not.
 void ImuNode::watch_line(std::int64_t now) {
   if (std::abs(now - watched_) < kWatchPeriod) return;
   const std::int64_t bytes = counters_["bytes"];
@@ -213,7 +213,7 @@ void ImuNode::watch_line(std::int64_t now) {
   watched_garbage_ = garbage;
 }
 
-/// What is wrong with the samples that come.
+/// Adds faults of the samples.
 void ImuNode::report_samples(std::vector<std::string>& faults) const {
   if (verdict_ != Plausibility::Verdict::kGood) faults.emplace_back(Plausibility::name(verdict_).fault);
   for (std::size_t i = 0; i < 3 && verdict_ == Plausibility::Verdict::kGood; ++i) {

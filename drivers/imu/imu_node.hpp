@@ -25,13 +25,13 @@
 
 namespace curbstone::imu {
 
-/// The bytes of an IMU in, IMU out. It has no port and no clock: bytes come with their time of receipt (us since the
-/// Unix epoch), and commands to the device leave through `send`. One thread.
+/// Converts the bytes of an IMU to IMU messages. It has no port and no clock: bytes come with their time of receipt (us
+/// since the Unix epoch), and commands to the device go to `send`. One thread.
 ///
-/// A sample's stamp is the device's own time, converted to the host's clock by ClockOffset. Of a device that sends no
-/// time it is the time of receipt, spread over what one read brought: see ReceiptStamps. Stamps strictly increase,
-/// unless the host's clock is set back. Samples of the first 0.1 s go out at its end: see SettlingStart. Samples that
-/// cannot be are withheld, and stuck axes of the gyro are named in the status: see Plausibility.
+/// A sample's stamp is the device's own time, converted to the host's clock by ClockOffset. If the device sends no time
+/// it is the time of receipt, spread over the samples of one read (ReceiptStamps). Stamps strictly increase, unless the
+/// host's clock is set back. Samples of the first 0.1 s are published at its end (SettlingStart). Implausible samples
+/// are withheld, and stuck axes of the gyro are reported in the status (Plausibility).
 class ImuNode final : public Node {
  public:
   using Send = device::ImuDevice::Send;
@@ -41,9 +41,10 @@ class ImuNode final : public Node {
 
   void connect(Subscriber&) override {}
   void on_bytes(std::int64_t receive_utime, std::span<const std::uint8_t> bytes);
-  /// `up`: the port was opened again. Otherwise it has vanished or still cannot be opened, and `why` says so in a line.
+  /// `up`: the port was opened again. Otherwise it has vanished or still cannot be opened; `why` is the reason in one
+  /// line.
   void on_link(std::int64_t now, bool up, const std::string& why);
-  /// What else belongs into the report: the link's counters and faults.
+  /// Adds to the report: counters and faults of the link.
   void add_report(std::function<void(NodeReport&)> report) { link_report_ = std::move(report); }
   void clock_was_set(std::int64_t by) override;
   void tick(std::int64_t now) override;
@@ -53,7 +54,7 @@ class ImuNode final : public Node {
  private:
   void on_sample(const device::ImuSample& sample);
   void stamp_untimed(std::int64_t receive_utime);
-  /// A sample's time on the host's clock, us, and by how much its coming puts those before earlier.
+  /// A sample's time on the host's clock, us, and by how much it shows that the samples before were earlier.
   struct HostTime {
     std::int64_t utime;
     std::int64_t earlier;
@@ -76,13 +77,13 @@ class ImuNode final : public Node {
   SettlingStart<imu_t> start_;
   ArrivalGap arrival_;
   ReceiptStamps receipt_stamps_;
-  std::vector<device::ImuSample> untimed_;         // of this read
+  std::vector<device::ImuSample> untimed_;         // of the current read
   static constexpr std::size_t kManyRestarts = 3;  // within a minute
   RecentTimes restarts_{kManyRestarts, 60'000'000};
   std::int32_t sequence_ = -1;
   std::int64_t last_utime_ = 0;  // published
 
-  std::int64_t received_ = 0;  // bytes, last
+  std::int64_t received_ = 0;  // bytes, of the latest ones
 
   // for faults, on the clock of tick()
   std::int64_t now_ = 0;
@@ -92,12 +93,12 @@ class ImuNode final : public Node {
   std::int64_t watched_garbage_ = 0;
   bool garbled_ = false;
   RefusalShare refusals_;
-  Counters noted_;  // the device's, when refusals_ heard of them last
+  Counters noted_;  // the device's counters when refusals_ was last updated
   bool self_test_failed_ = false;
   ClipWatch clips_;
   Plausibility plausibility_;
   Plausibility::Verdict verdict_ = Plausibility::Verdict::kGood;
-  std::array<double, 3> rate_{};  // rad/s, of the last sample
+  std::array<double, 3> rate_{};  // rad/s, of the latest sample
   std::string link_fault_;
   std::function<void(NodeReport&)> link_report_;
   LatencyWindow latency_;

@@ -11,15 +11,15 @@ namespace curbstone::imu {
 namespace {
 
 constexpr std::int64_t kSecond = 1'000'000;  // us
-constexpr std::int64_t kPause = kSecond;     // us without a sample after which nothing is known
-constexpr int kLeast = 20;                   // samples that are the same: a slow device needs more time
+constexpr std::int64_t kPause = kSecond;     // us without a sample after which everything restarts
+constexpr int kLeast = 20;                   // minimum number of equal samples: a slow device needs more time
 constexpr std::int64_t kAllAxes = 2 * kSecond;
 constexpr std::int64_t kTwoAxes = 3 * kSecond;
 constexpr std::int64_t kOneAxis = 10 * kSecond;
 constexpr std::int64_t kInMotion = 3 * kSecond;
 constexpr std::int64_t kTurning = kSecond / 2;
 constexpr double kNoBias = 0.1;   // rad/s
-constexpr double kMotion = 1.0;   // m/s^2, between the least and the most of a second
+constexpr double kMotion = 1.0;   // m/s^2, between the smallest and the largest value of a second
 constexpr std::size_t kMean = 3;  // s
 constexpr double kLeastForce = 0.8 * kGravity;
 constexpr double kMostForce = 1.45 * kGravity;

@@ -7,21 +7,22 @@
 
 namespace curbstone::imu {
 
-/// Whether what an IMU measures can be: it finds sensors that are stuck, at the end of their range, or wrong in scale.
-/// Pure; frame imu, SI units, times in us on one clock. One thread.
+/// Checks the plausibility of an IMU's measurements: detects sensors that are stuck, at the end of their range, or
+/// wrong in scale. Pure; frame imu, SI units, times in us on one clock. One thread.
 ///
-/// The limits come from data sheets and from what a vehicle can do, not from recordings:
-/// - An accelerometer is never still: an MTi sends its noise in float32; a WitMotion has steps of 4.8 mm/s^2, and the
-///   noise of an MPU-9250 (300 ug/sqrt(Hz), PS-MPU-9250A-01) is 8 mm/s^2 behind the narrowest filter of 5 Hz. A chip
-///   with a quarter of that noise may show the same value for a second. So three axes that are bit for bit the same for
-///   2 s are stuck, two for 3 s, and so is one axis after 10 s, or after 3 s in which the others feel motion (1 m/s^2
-///   within each).
-/// - A gyro may be: a WitMotion's steps are 1.07 mrad/s and it sets what is small to zero. An axis is stuck if it shows
-///   the same rate for 0.5 s, and that rate is one that no bias explains (0.1 rad/s: 5.7 deg/s; an MPU-9250's is at
-///   most 5): no vehicle keeps its turn to a hundredth for that long. The gyro is, if all its axes are, or are the same
-///   for 3 s in which the accelerometer feels motion. A rate at the end of the range is the same rate, too.
-/// - The mean specific force of 3 s is within 0.8 and 1.45 g: less is a fall of 9 m, more is a horizontal acceleration
-///   of 1.05 g, beyond what tyres hold.
+/// The limits come from data sheets and from the limits of vehicles, not from recordings:
+/// - An accelerometer is never constant: an MTi sends its noise in float32; a WitMotion has steps of 4.8 mm/s^2, and
+///   the noise of an MPU-9250 (300 ug/sqrt(Hz), PS-MPU-9250A-01) is 8 mm/s^2 behind its narrowest filter of 5 Hz. A
+///   chip with a quarter of that noise may show the same value for a second. So the accelerometer is stuck if three
+///   axes are bit for bit the same for 2 s, two for 3 s, or one for 10 s, or one for 3 s in which the others show
+///   motion (1 m/s^2 within each second).
+/// - A gyro may be constant: a WitMotion's steps are 1.07 mrad/s, and it sets small values to zero. An axis is stuck if
+///   it shows the same rate for 0.5 s, and a rate that no bias explains (0.1 rad/s: 5.7 deg/s; an MPU-9250's bias is at
+///   most 5): no vehicle keeps its turn to a hundredth for that long. The whole gyro is stuck if all axes are, or if
+///   all are the same for 3 s in which the accelerometer shows motion. A rate at the end of the range is a constant
+///   rate, too.
+/// - The mean specific force over 3 s is between 0.8 and 1.45 g: less is a fall of 9 m, more is a horizontal
+///   acceleration of 1.05 g, beyond what tyres hold.
 class Plausibility {
  public:
   enum class Verdict { kGood, kStuckAccelerometer, kStuckGyro, kNotGravity };
@@ -30,14 +31,14 @@ class Plausibility {
     std::string_view fault;
   };
 
-  /// `time` of the sample; one that leads back or leaps by more than kPause begins anew.
+  /// `time` of the sample; if it goes back or leaps by more than kPause, everything restarts.
   Verdict judge(std::int64_t time, const std::array<double, 3>& acceleration, const std::array<double, 3>& rate);
   [[nodiscard]] static Name name(Verdict verdict);
-  /// Which axes of the gyro are stuck by the last sample, where not all of it is: the others are good.
+  /// Axes of the gyro that are stuck as of the latest sample while the gyro as a whole is not: the others are good.
   [[nodiscard]] const std::array<bool, 3>& stuck_axes() const { return stuck_axes_; }
 
  private:
-  /// Since when, and for how many samples, a value has been the same.
+  /// How long, and for how many samples, a value has been the same.
   struct Held {
     double value = 0;
     std::int64_t since = 0;
@@ -47,7 +48,7 @@ class Plausibility {
   };
   void begin(std::int64_t time);
   void end_second(std::int64_t time);
-  /// The accelerometer has felt motion for some seconds.
+  /// Whether the accelerometer has shown motion for some seconds.
   [[nodiscard]] bool moves() const;
   [[nodiscard]] static bool all_last(const std::array<Held, 3>& axes, std::int64_t time, std::int64_t us);
   [[nodiscard]] bool accelerometer_stuck(std::int64_t time) const;
@@ -58,11 +59,11 @@ class Plausibility {
   std::array<Held, 3> rate_;
   std::array<bool, 3> stuck_axes_{};
 
-  std::int64_t second_ = 0;  // when the present one began
+  std::int64_t second_ = 0;  // begin of the current second
   int samples_ = 0;
   std::array<double, 3> sum_{}, least_{}, most_{};
-  std::vector<std::array<double, 3>> means_;  // of the last seconds, three at most
-  int moving_ = 0;                            // seconds of motion, one after the other
+  std::vector<std::array<double, 3>> means_;  // of the latest seconds, at most three
+  int moving_ = 0;                            // consecutive seconds with motion
   bool gravity_ = true;
 };
 

@@ -6,22 +6,23 @@
 
 namespace curbstone::imu {
 
-/// When samples were taken of which only the time of receipt is known. A read of the port may bring several at once:
-/// the last one has just been taken, and those before it a sample's period earlier each. The period is the mean of the
-/// last kBlock samples by their receipt; until then, what the device was asked for.
+/// Estimates when samples were taken of which only the time of receipt is known. A read of the port may return several
+/// at once: the last one was taken just now, each earlier one a period before. The period is the mean over the last
+/// kBlock samples by their receipt; until then, the requested one.
 ///
-/// No stamp comes before one that has gone out: where the period would put one there, the samples lie evenly between
-/// that one and the last. Times in us. Pure; one thread.
+/// No stamp is before one that was published: if the period would put it there, the samples are spread evenly between
+/// the published stamp and the last sample. Times in us. Pure; one thread.
 class ReceiptStamps {
  public:
   static constexpr std::int64_t kBlock = 100;
-  static constexpr std::int64_t kPause = 1'000'000;  ///< us without a sample, after which the mean begins anew
+  static constexpr std::int64_t kPause = 1'000'000;  ///< us without a sample after which the mean restarts
 
   /// `rate`: Hz.
   explicit ReceiptStamps(int rate) : period_(1'000'000 / std::max(rate, 1)) {}
 
-  /// The samples that a read at `now` brought, in their order: times of receipt in, stamps out. `published`: the last
-  /// stamp that has gone out; 0: none. Where the host's clock was set back behind it they are left as they are.
+  /// Converts, in place, the times of receipt of the samples of a read at `now`, in their order, to stamps.
+  /// `published`: the latest published stamp; 0: none. If the host's clock was set back to before it, the times are not
+  /// changed.
   void spread(std::int64_t now, std::int64_t published, std::span<std::int64_t> times) {
     if (times.empty()) return;
     const auto count = static_cast<std::int64_t>(times.size());
@@ -46,7 +47,7 @@ class ReceiptStamps {
   }
 
   std::int64_t period_;       // us
-  std::int64_t begin_ = 0;    // us, of the block
+  std::int64_t begin_ = 0;    // us, begin of the block
   std::int64_t last_ = 0;     // us
   std::int64_t counted_ = 0;  // samples since begin_
 };

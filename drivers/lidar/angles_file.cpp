@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMostLasers = 128;
 
-/// Reads a number at `text` and moves behind it. Nothing where there is none, or none within +-180.
+/// Parses a number at `text` and moves behind it. Returns false if there is none, or none within +-180.
 bool read_angle(const char*& text, double& angle) {
   char* end = nullptr;
   angle = std::strtod(text, &end);

@@ -7,9 +7,9 @@
 
 namespace curbstone::lidar {
 
-/// The angles of a device's lasers from a CSV file: a line a laser, in firing order, "elevation[,azimuth]" in deg.
-/// Empty lines and lines that begin with # are skipped. Throws std::runtime_error with one line: file, line, what was
-/// expected.
+/// Reads the angles of a device's lasers from a CSV file: one line per laser, in firing order, "elevation[,azimuth]" in
+/// deg. Empty lines and lines that begin with # are skipped. Throws std::runtime_error with a one-line message: file,
+/// line, what was expected.
 [[nodiscard]] std::vector<models::LaserAngles> read_angles(const std::string& file);
 
 }  // namespace curbstone::lidar

@@ -65,7 +65,7 @@ std::optional<DriverCapture::Packet> DriverCapture::next_in_file() {
 
 void DriverCapture::begin_anew() {
   const std::int64_t length = last_ - first_;
-  constexpr std::int64_t kShortest = 1000;  // us, of a file with one packet
+  constexpr std::int64_t kShortest = 1000;  // us, for a file with one packet
   shift_ += std::max(kShortest, length + (count_ > 1 ? length / (count_ - 1) : 0));
   ++repeats_;
   before_.fragments += source_->skipped().fragments;
@@ -97,7 +97,7 @@ bool has_one_info(const LidarConfig& config) {
       if (sender == models::Sender::kHeliosInfo || sender == models::Sender::kRs16Info) ++infos;
     }
   } catch (const std::runtime_error&) {
-    // A file that is cut off has what it has; whoever reads it says so.
+    // The contents of a truncated file are used; its reader reports the error.
   }
   return infos == 1;
 }

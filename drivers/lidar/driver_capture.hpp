@@ -13,25 +13,23 @@
 
 namespace curbstone::lidar {
 
-/// The packets of a capture that are meant for the driver: to its two ports, or, where both are 0, of a LiDAR to
-/// any port; and of `device_address` where one is set, else of one sender (OneSender).
+/// The packets of a capture that the driver would receive: to its two ports or, if both are 0, of a LiDAR to any port;
+/// and from `device_address` if it is set, else from one sender (OneSender).
 class DriverCapture {
  public:
   using Packet = sources::PcapSource::Packet;
 
-  /// `repeat`: at its end the file begins anew. Times of receipt and the device's stamps go on by its length and one
-  /// mean distance of packets. Throws std::runtime_error, one line: with what the file has instead where no packet is
-  /// meant for the driver.
+  /// `repeat`: at its end the file restarts. Times of receipt and the device's stamps continue, shifted by its length
+  /// plus one mean interval of packets. Throws std::runtime_error with a one-line message, which lists the file's
+  /// contents if no packet is for the driver.
   DriverCapture(const LidarConfig& config, bool repeat);
 
-  /// The packet that comes next; nothing at the end. It is valid until advance().
+  /// The next packet; nothing at the end. It is valid until advance().
   [[nodiscard]] const std::optional<Packet>& packet() const { return packet_; }
-  /// Throws std::runtime_error where the file is damaged or cut off.
+  /// Throws std::runtime_error if the file is damaged or cut off.
   void advance();
 
-  [[nodiscard]] std::int64_t foreign() const {
-    return foreign_ + sender_.foreign();
-  }  ///< packets to the ports from other senders
+  [[nodiscard]] std::int64_t foreign() const { return foreign_ + sender_.foreign(); }  ///< from other senders
   [[nodiscard]] std::string sender_fault() const { return sender_.fault(newest_); }
   [[nodiscard]] std::int64_t fragments() const { return before_.fragments + source_->skipped().fragments; }
   [[nodiscard]] std::int64_t cut() const { return before_.cut + source_->skipped().cut; }
@@ -51,21 +49,21 @@ class DriverCapture {
   std::optional<sources::Ipv4> device_;
   std::unique_ptr<models::Model> model_;  ///< none: auto
   sources::OneSender sender_;
-  std::int64_t newest_ = 0;  ///< us, in the file: the packet read last
+  std::int64_t newest_ = 0;  ///< us, time in the file of the latest packet
   std::unique_ptr<sources::PcapSource> source_;
   std::optional<Packet> packet_;
   std::vector<std::uint8_t> shifted_;
   std::int64_t first_ = 0;  ///< us: the file's earliest and latest packet
   std::int64_t last_ = 0;
   std::int64_t count_ = 0;
-  std::int64_t shift_ = 0;  ///< us, of the present pass through the file
+  std::int64_t shift_ = 0;  ///< us, of the current pass through the file
   std::int64_t repeats_ = 0;
   std::int64_t foreign_ = 0;
-  sources::PcapSource::Skipped before_;  ///< in the passes before
+  sources::PcapSource::Skipped before_;  ///< in earlier passes
 };
 
-/// Whether the device says but once, in the whole file, how it is: nothing can confirm it. Reads to the second time.
-/// Throws as DriverCapture does.
+/// Whether the file contains only one device information, so that no second one can confirm it. Reads up to the second
+/// one. Throws as DriverCapture does.
 [[nodiscard]] bool has_one_info(const LidarConfig& config);
 
 }  // namespace curbstone::lidar

@@ -4,10 +4,11 @@
 
 namespace curbstone::lidar {
 
-/// Whether the host's clock is kept by somebody (NTP, PTP), so that it may judge a device's. Asked once a second.
+/// Whether the host's clock is synchronised (NTP, PTP), so that it may judge a device's. Called once a second.
 using HostClockCheck = std::function<bool()>;
 
-/// As the kernel says: adjtimex(2). A clock that nobody disciplines, or whose discipline ended, is not synchronised.
+/// The kernel's state: adjtimex(2). A clock that nothing disciplines, or whose discipline has ended, is not
+/// synchronised.
 [[nodiscard]] bool kernel_clock_is_synchronised();
 
 }  // namespace curbstone::lidar

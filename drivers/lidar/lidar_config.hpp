@@ -10,14 +10,14 @@
 
 namespace curbstone::lidar {
 
-/// The step in which the device counts distances.
+/// The unit of the device's distances.
 enum class DistanceResolution {
   kAuto,  ///< by the device's firmware; 5 mm until it is known
   k5mm,
   k10mm,  ///< old firmware
 };
 
-/// m; nothing where the device decides.
+/// m; nothing if the device decides.
 [[nodiscard]] constexpr std::optional<double> distance_step(DistanceResolution resolution) {
   switch (resolution) {
     case DistanceResolution::kAuto:
@@ -37,14 +37,14 @@ struct LidarConfig {
   int difop_port = 0;                    ///< 0 = the model's own
   std::string host_address = "0.0.0.0";  ///< interface to listen on
   std::string group_address;             ///< multicast group, where the device sends to one
-  int receive_buffer = 4 << 20;          ///< bytes, of each socket; the kernel may grant less
+  int receive_buffer = 4 << 20;          ///< bytes per socket; the kernel may grant less
   std::string device_address;            ///< of the device; packets of other senders are refused
-  std::string pcap;                      ///< file instead of the network
+  std::string pcap;                      ///< file to read instead of the network
   double pcap_rate = 1.0;                ///< times real time
   bool pcap_repeat = false;
 
   decoding::ClockMode clock = decoding::ClockMode::kAuto;
-  double clock_tolerance = 0.02;  ///< s, auto: how far a sane device clock may be from the host's
+  double clock_tolerance = 0.02;  ///< s, for kAuto: maximum difference of a valid device clock from the host's
   double time_offset = 0.0;       ///< s, added to the device's stamps
   DistanceResolution distance_resolution = DistanceResolution::kAuto;
   double cut_angle = 180.0;  ///< deg
@@ -55,8 +55,8 @@ struct LidarConfig {
   double end_angle = 360.0;  ///< deg
   std::string angles_file;
   bool wait_for_difop = false;
-  int most_lost = 15;                    ///< packets a second
-  std::string channel = "LIDAR_POINTS";  ///< several devices on one bus
+  int most_lost = 15;                    ///< packets per second
+  std::string channel = "LIDAR_POINTS";  ///< one per device on the bus
   std::string raw_channel = "LIDAR_RAW";
   bool publish_raw = false;
 
@@ -108,7 +108,7 @@ struct LidarConfig {
   }
 };
 
-/// The UDP ports of the model, or those that are set in their place.
+/// UDP ports of the configuration, else of the model.
 [[nodiscard]] inline int point_port(const LidarConfig& config) {
   return config.msop_port != 0 ? config.msop_port : models::table_of(config.model).point_port;
 }
@@ -116,7 +116,7 @@ struct LidarConfig {
   return config.difop_port != 0 ? config.difop_port : models::table_of(config.model).info_port;
 }
 
-/// All UDP ports to listen on. While the model is to be found out, and none is set: those of all models.
+/// All UDP ports to listen on. While the model is unknown and no port is configured: those of all models.
 [[nodiscard]] inline std::set<int> ports_of(const LidarConfig& config) {
   std::set<int> ports = {point_port(config), info_port(config)};
   if (config.model != models::ModelName::kAuto) return ports;

@@ -7,7 +7,7 @@ namespace curbstone::lidar {
 namespace {
 
 constexpr double kSilence = 1.0;      // s without a point packet
-constexpr double kInfoSilence = 5.0;  // s without device information, which comes one to ten times a second
+constexpr double kInfoSilence = 5.0;  // s without device information, which is sent one to ten times a second
 
 }  // namespace
 

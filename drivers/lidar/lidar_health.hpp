@@ -13,8 +13,8 @@ namespace curbstone::lidar {
 /// What to do about packets that are refused for this reason, in words.
 [[nodiscard]] std::string remedy(decoding::Refusal why, const models::ModelTable& model);
 
-/// Says in words what is wrong with the packet stream at present. It is judged once a tick, on the host's clock (us).
-/// It is status only: no product depends on it.
+/// Describes the present faults of the packet stream in words. Judged once per tick, on the host's clock (us). Status
+/// only: no product depends on it.
 class LidarHealth {
  public:
   LidarHealth(int msop_port, int difop_port) : msop_port_(msop_port), difop_port_(difop_port) {}
@@ -26,11 +26,11 @@ class LidarHealth {
     remedy_ = remedy;
   }
   void tick(std::int64_t now);
-  /// `model`: nullptr while it is not known.
+  /// `model`: nullptr while it is unknown.
   [[nodiscard]] std::vector<std::string> faults(const models::Model* model) const;
 
  private:
-  /// A count and when it last grew.
+  /// A count, and the time when it last increased.
   struct Watched {
     std::int64_t seen = 0;
     std::int64_t grew_at = 0;
@@ -43,7 +43,7 @@ class LidarHealth {
   std::int64_t used_ = 0;
   std::int64_t info_ = 0;
   std::int64_t refused_ = 0;
-  std::string remedy_;  ///< of the last refusal
+  std::string remedy_;  ///< of the latest refusal
   std::int64_t now_ = 0;
   bool started_ = false;
   Watched used_watch_;

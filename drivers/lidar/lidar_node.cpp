@@ -24,7 +24,7 @@ constexpr std::size_t kLongestRaw = 2500;        // bytes
 constexpr std::int64_t kSecond = 1'000'000;      // us
 constexpr double kTaiMinusUtcFrom = 36.0;        // s: 37 at present
 constexpr double kTaiMinusUtcTo = 38.0;          // s
-constexpr std::int64_t kNearlySet = 60'000'000;  // us: a clock this near the host's was set by somebody, and wrongly
+constexpr std::int64_t kNearlySet = 60'000'000;  // us: a clock this close to the host's was set, but wrongly
 
 models::ModelSettings settings_of(const LidarConfig& config) {
   models::ModelSettings settings;
@@ -35,7 +35,7 @@ models::ModelSettings settings_of(const LidarConfig& config) {
   return settings;
 }
 
-/// Whether the device did fire this packet, so that it is not lost on the way.
+/// Whether the device fired this packet: then it was received, and is not lost.
 bool is_the_devices(Refusal refusal) {
   return refusal == Refusal::kBlock || refusal == Refusal::kAzimuth;
 }
@@ -100,7 +100,7 @@ bool LidarNode::find_model(std::span<const std::uint8_t> bytes) {
   try {
     model_ = models::make_model(*name, settings_);
   } catch (const std::runtime_error& error) {
-    source_fault_ = error.what();  // the angles are another device's
+    source_fault_ = error.what();  // the angles are those of another device
     return false;
   }
   spdlog::info("model: auto: {} packets in a row are those of {}: it is {}", models::ModelVote::kAgreeing,
@@ -164,7 +164,7 @@ void LidarNode::send(decoding::PendingPacket& packet) {
   message_.utime = packet.utime;
   message_.packet = message_.packet < 0 ? 0 : next_packet_number(message_.packet);
   message_.num_points = static_cast<std::int32_t>(points.x.size());
-  // The vectors go back and forth between packet and message, and are allocated once.
+  // The vectors are swapped between packet and message, so they are allocated only once.
   message_.x.swap(points.x);
   message_.y.swap(points.y);
   message_.z.swap(points.z);
@@ -183,7 +183,7 @@ void LidarNode::send(decoding::PendingPacket& packet) {
   health_.point_packet_used();
 }
 
-/// Counted by itself, for `packet` begins anew at 2^31, as this does.
+/// Counts in a variable of its own, because `packet` wraps at 2^31.
 std::int32_t LidarNode::scan_of_count() {
   if (message_.packet < 0) return 0;
   if (++in_scan_ < config_.split_packets) return message_.revolution;
@@ -210,9 +210,9 @@ void LidarNode::set_receive_buffer(int asked, int granted) {
         granted / 1024, asked / 1024, asked, asked);
 }
 
-/// Forward it shows only as a delay, which the clock's window would believe for seconds.
+/// A step forward looks like a delay, which the clock's window would accept for seconds.
 void LidarNode::clock_was_set(std::int64_t by) {
-  if (by <= 0) return;  // packets that come before those before tell
+  if (by <= 0) return;  // packets with earlier times of receipt show it
   counters_.add("clock.host_set");
   clock_.forget_offset();
 }
@@ -222,7 +222,7 @@ void LidarNode::tick(std::int64_t now) {
   sent_.tick();
   health_.tick(now);
   share_.tick(now);
-  // What is held waits for its successors. If none comes any more, it goes out.
+  // Held packets wait for their successors. If none arrives any more, they are released.
   if (!std::exchange(came_since_tick_, false) && order_.holds()) {
     order_.flush();
     send_ready();

@@ -25,46 +25,47 @@
 
 namespace curbstone::lidar {
 
-/// The number of the packet after this one: lidar_points_t.packet.
+/// Number of the packet after this one: lidar_points_t.packet.
 [[nodiscard]] constexpr std::int32_t next_packet_number(std::int32_t number) {
   return static_cast<std::int32_t>((static_cast<std::uint32_t>(number) + 1) & 0x7FFFFFFF);
 }
 
-/// A LiDAR's packets in, LIDAR_POINTS (and LIDAR_RAW on request) out: one message a packet. What it sends is a function
-/// of the packets, their times of receipt and of whether the host's clock is synchronised. One thread. A packet that
-/// cannot be used is counted by cause. The newest messages are kept, and sent again to who lost them.
+/// Converts a LiDAR's packets to LIDAR_POINTS (and LIDAR_RAW on request): one message per packet. The output is a
+/// function of the packets, their times of receipt and of whether the host's clock is synchronised. One thread. A
+/// packet that cannot be used is counted by cause. The newest messages are kept, and resent to a subscriber that lost
+/// them.
 class LidarNode final : public Node {
  public:
-  /// Throws std::runtime_error, one line, where the configuration does not fit the model.
+  /// Throws std::runtime_error with a one-line message if the configuration does not fit the model.
   LidarNode(const LidarConfig& config, Publisher& bus, HostClockCheck host_clock = kernel_clock_is_synchronised);
 
   void connect(Subscriber& bus) override;
 
-  /// A packet from the device; `received` in us since the Unix epoch. The bytes tell what it is, so all may come on one
-  /// port.
+  /// Takes a packet of the device; `received` in us since the Unix epoch. The bytes identify its kind, so all kinds may
+  /// come on one port.
   void on_packet(std::int64_t received, int port, std::span<const std::uint8_t> bytes);
-  /// The same from a log.
+  /// Takes a packet from a log.
   void on(const raw_packet_t& packet);
 
-  /// Whether these bytes are of the model; while it is not known, of any LiDAR.
+  /// Whether these bytes are from the model; while it is unknown, from any LiDAR.
   [[nodiscard]] bool is_own(std::span<const std::uint8_t> bytes) const {
     const models::Sender sender = models::sender_of(bytes);
     return model_ ? model_->is_own(sender) : sender != models::Sender::kUnknown;
   }
 
-  /// Before the first packet: what follows is a capture with but one device information.
+  /// Call it before the first packet of a capture with only one device information.
   void expect_one_info();
 
-  /// Packets that the kernel has dropped since the start.
+  /// Number of packets dropped by the kernel since the start.
   void set_dropped(std::int64_t packets) { counters_.set("dropped.socket", packets); }
-  /// What is wrong with where the packets come from, in words; empty when nothing is.
+  /// Fault of the packet source, in words; empty if there is none.
   void set_source_fault(const std::string& fault) { source_fault_ = fault; }
-  /// That more than one device sends, in words; empty when none does.
+  /// Fault that more than one device sends, in words; empty if there is none.
   void set_sender_fault(const std::string& fault) { sender_fault_ = fault; }
-  /// bytes of a socket's receive buffer: what was asked for, and what the kernel granted.
+  /// Sizes of a socket's receive buffer, bytes: requested, and granted by the kernel.
   void set_receive_buffer(int asked, int granted);
 
-  /// A count that is kept where the packets come from: "refused.source".
+  /// Sets a counter of the packet source: "refused.source".
   void set_counter(std::string_view name, std::int64_t count) { counters_.set(name, count); }
 
   void clock_was_set(std::int64_t by) override;
@@ -106,7 +107,7 @@ class LidarNode final : public Node {
   std::int64_t second_began_ = 0;
   std::int64_t lost_before_second_ = 0;
   std::int64_t lost_in_second_ = 0;
-  int in_scan_ = 0;  ///< packets of it before the next one, with split_packets
+  int in_scan_ = 0;  ///< packets of the current revolution so far, with split_packets
   bool came_since_tick_ = false;
   std::string identity_;
   std::string source_fault_;

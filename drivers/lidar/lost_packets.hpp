@@ -5,8 +5,8 @@
 
 namespace curbstone::lidar {
 
-/// Counts packets that did not come. One that comes late after all is taken back: so a loss counts only once it is
-/// kSettled old. Times in us, of receipt. Pure.
+/// Counts lost packets. A packet that arrives late is subtracted again, so a loss counts only when it is kSettled old.
+/// Times in us, of receipt. Pure.
 class LostPackets {
  public:
   static constexpr std::int64_t kSettled = 150'000;
@@ -15,7 +15,7 @@ class LostPackets {
     if (packets > 0) recent_.push_back({now, packets});
     settle(now);
   }
-  /// One of those that were missed last came late.
+  /// One of the latest missing packets arrived late.
   void take_back() {
     if (!recent_.empty() && --recent_.back().packets == 0) recent_.pop_back();
   }

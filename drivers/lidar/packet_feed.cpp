@@ -31,7 +31,7 @@ class NetworkFeed final : public PacketFeed {
     if (!open_ && retry_.due(steady_clock())) try_to_open();
   }
 
-  /// All ports or none. An interface that is not there may come; everything else is for people to mend.
+  /// Opens all ports or none. A missing interface may appear later; all other errors need an operator.
   void try_to_open() {
     try {
       for (const int port : ports_) sources_.push_back(std::make_unique<sources::UdpSource>(port, options_));
@@ -76,7 +76,7 @@ class NetworkFeed final : public PacketFeed {
   RetryPause retry_;
 };
 
-/// What of a capture did not reach the node.
+/// Counts packets of a capture that did not reach the node.
 void count_refused(const DriverCapture& capture, LidarNode& node) {
   if (capture.foreign() > 0) node.set_counter("refused.source", capture.foreign());
   node.set_sender_fault(capture.sender_fault());
@@ -84,7 +84,7 @@ void count_refused(const DriverCapture& capture, LidarNode& node) {
   if (capture.cut() > 0) node.set_counter("refused.cut_off", capture.cut());
 }
 
-constexpr int kMostAtOnce = 1000;  // packets a millisecond: a capture may have times that nobody waits for
+constexpr int kMostAtOnce = 1000;  // packets per millisecond: a capture may have times that would block the loop
 
 class CaptureFeed final : public PacketFeed {
  public:

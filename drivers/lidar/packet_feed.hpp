@@ -10,25 +10,24 @@
 
 namespace curbstone::lidar {
 
-/// Owns what brings a node its packets: sockets or a capture file. Node and loop must outlive it.
+/// Owns a node's packet source: sockets or a capture file. Node and loop must outlive it.
 class PacketFeed {
  public:
   virtual ~PacketFeed() = default;
 };
 
-/// From the network, until the process ends. An interface that is not there yet is a fault of the node, and is tried
-/// again. Throws std::runtime_error, one line, for what does not mend itself.
+/// Feeds from the network, until the process ends. A missing interface is a fault of the node, and is retried. Throws
+/// std::runtime_error with a one-line message for errors that retrying does not fix.
 [[nodiscard]] std::unique_ptr<PacketFeed> feed_from_network(const LidarConfig& config, LidarNode& node,
                                                             EventLoop& loop);
 
-/// From a capture at its own pace times `pcap_rate`. At its end it begins anew with `pcap_repeat`; else the loop is
-/// stopped, and so the process ends. Packets to the configured ports are used, or, where none is
-/// configured, those of LiDARs to any port. Throws std::runtime_error, one line. So does the loop where the file is
-/// damaged.
+/// Feeds from a capture at its own pace times `pcap_rate`. At its end it restarts with `pcap_repeat`; otherwise the
+/// loop is stopped, which ends the process. Uses packets to the configured ports or, if none is configured, those of
+/// LiDARs to any port. Throws std::runtime_error with a one-line message; so does the loop if the file is damaged.
 [[nodiscard]] std::unique_ptr<PacketFeed> feed_from_capture(const LidarConfig& config, LidarNode& node,
                                                             EventLoop& loop);
 
-/// The same once, as fast as possible, without a process. Finishes the node. Returns the number of packets.
+/// Feeds a capture once, as fast as possible, without a process. Finishes the node. Returns the number of packets.
 std::int64_t feed_whole_capture(const LidarConfig& config, LidarNode& node);
 
 }  // namespace curbstone::lidar

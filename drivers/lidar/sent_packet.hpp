@@ -8,8 +8,8 @@
 
 namespace curbstone::lidar {
 
-/// What RecentMessages keeps of a LIDAR_POINTS message: what its points were made of, since they take four times the
-/// memory.
+/// The form in which RecentMessages keeps a LIDAR_POINTS message: the data from which its points were made, because the
+/// points take four times the memory.
 struct SentPacket {
   std::int64_t utime = 0;  ///< as of the message
   std::int32_t packet = 0;
@@ -17,7 +17,7 @@ struct SentPacket {
   decoding::FiredPacket fired;
 
   [[nodiscard]] std::size_t bytes() const { return sizeof *this + fired.bytes(); }
-  /// With every bit that it had.
+  /// The message, bit for bit.
   [[nodiscard]] lidar_points_t message() const;
 };
 

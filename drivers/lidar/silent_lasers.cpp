@@ -6,15 +6,15 @@ namespace curbstone::lidar {
 namespace {
 
 constexpr std::int64_t kInterval = 1'000'000;  // us
-constexpr int kMany = 50;                      // returns in a second: a thing that all lasers of its height can see
-constexpr std::size_t kNear = 3;               // rings: of these, one that returns; two neighbours may die together
+constexpr int kMany = 50;                      // returns in a second: an object that all lasers near its height can see
+constexpr std::size_t kNear = 3;  // rings, of which one must have returns: two neighbours may fail together
 
 }  // namespace
 
 void SilentLasers::add(std::int64_t utime, std::span<const std::uint8_t> rings) {
   const std::int64_t second = utime / kInterval;
   if (second_ != second) {
-    // What came of a second that a leap of time cut short says nothing.
+    // A second that was cut short by a jump in time is not evaluated.
     if (second_ && second == *second_ + 1) close_second();
     returns_.fill(0);
     second_ = second;
@@ -31,7 +31,7 @@ void SilentLasers::close_second() {
       laser = {};
     } else if (laser.steady == kSteady && is_between_others(ring)) {
       laser.silent_for = std::min(laser.silent_for + 1, kSilence);
-    } else if (laser.silent_for < kSilence) {  // else only a return ends it
+    } else if (laser.silent_for < kSilence) {  // otherwise only a return ends it
       laser = {};
     }
   }
@@ -40,7 +40,7 @@ void SilentLasers::close_second() {
 bool SilentLasers::is_between_others(std::size_t ring) const {
   const auto returns = [&](std::size_t other) { return returns_[other] >= kMany; };
   bool is_above = false;
-  bool is_below = ring == 0;  // what the lowest looks at is the ground
+  bool is_below = ring == 0;  // the lowest laser points at the ground
   for (std::size_t apart = 1; apart <= kNear; ++apart) {
     is_above = is_above || (ring + apart < lasers_.size() && returns(ring + apart));
     is_below = is_below || (ring >= apart && returns(ring - apart));

@@ -36,7 +36,7 @@ void shift_helios(Bytes packet, std::int64_t shift) {
   const Bytes field = packet.subspan(kRoboSenseStamp, 10);
   std::int64_t seconds = 0;
   for (std::size_t i = 0; i < 6; ++i) seconds = seconds << 8 | field[i];
-  constexpr std::int64_t kEnd = std::int64_t{1} << 40;  // s: beyond any clock, and no overflow in us
+  constexpr std::int64_t kEnd = std::int64_t{1} << 40;  // s: beyond any clock, and without overflow in us
   const auto fraction = std::int64_t{read_big_endian<std::uint32_t>(field.subspan(6))};
   if (seconds >= kEnd || fraction >= kOneSecond) return;
   const std::int64_t utime = seconds * kOneSecond + fraction + shift;

@@ -32,7 +32,7 @@ LowLatency request_low_latency(int fd, const std::string& device, const std::fil
   LowLatency result;
   result.granted = set_flag(fd);
   std::error_code error;
-  const auto port = std::filesystem::canonical(device, error);  // the name may be a link of udev
+  const auto port = std::filesystem::canonical(device, error);  // the name may be a symbolic link of udev
   if (error) return result;
   const auto file = sys / "bus/usb-serial/devices" / port.filename() / "latency_timer";
   result.timer_ms = read_timer(file);

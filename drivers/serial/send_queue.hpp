@@ -7,8 +7,8 @@
 
 namespace curbstone::serial {
 
-/// What the kernel would not take at once. A message goes in whole or not at all: half a command would make the device
-/// misread the next. Holds at most kMost bytes.
+/// Queue of bytes that the kernel did not accept at once. A message is queued as a whole or not at all: after half a
+/// command the device would misread the next. Holds at most kMost bytes.
 class SendQueue {
  public:
   static constexpr std::size_t kMost = 16'384;  ///< bytes: more than a second at 115200 baud

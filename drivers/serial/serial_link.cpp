@@ -12,8 +12,8 @@
 namespace curbstone::serial {
 
 namespace {
-constexpr double kBaudError = 0.02;  // a byte of ten bits is misread from 5 % on, of both ends together
-constexpr int kMaxReads = 16;        // at a time: a device that never pauses must not starve the rest of the process
+constexpr double kBaudError = 0.02;  // a byte of ten bits is misread from 5 % on, both ends together
+constexpr int kMaxReads = 16;  // at a time: a device that sends without a pause must not starve the rest of the process
 }  // namespace
 
 SerialLink::SerialLink(SerialSettings settings) : settings_(std::move(settings)) {
@@ -59,8 +59,9 @@ void SerialLink::on_readable() {
     const SerialPort::Read read = port_->read(buffer_);
     if (read.status == SerialPort::Status::kNothing) return;
     if (read.status == SerialPort::Status::kGone) return lose();
-    // After the read: a busy host may stop us before it for as long as it likes, and bytes that come meanwhile would
-    // seem to have come before they were sent. One such sample puts a device's clock wrong for seconds (ClockOffset).
+    // Stamped after the read: a busy host may suspend this process before it for any time, and bytes that arrive
+    // meanwhile would seem to have arrived before they were sent. One such sample falsifies a device's clock for
+    // seconds (ClockOffset).
     handlers_.on_bytes(wall_clock(), std::span(buffer_).first(read.size));
   }
 }

@@ -15,26 +15,27 @@
 
 namespace curbstone::serial {
 
-/// A serial port that is read from an event loop. If the device is missing, at the start or later (unplugged, reset),
-/// the port is opened again, with waits that grow from 0.1 s to 2 s. Bytes get their time of receipt here, us since the
-/// Unix epoch. One thread.
+/// A serial port in an event loop. If the device is missing, at the start or later (unplugged, reset), the port is
+/// reopened, with a back-off from 0.1 s to 2 s. The link stamps bytes with their time of receipt, us since the Unix
+/// epoch. One thread.
 class SerialLink {
  public:
   struct Handlers {
     std::function<void(std::int64_t receive_utime, std::span<const std::uint8_t>)> on_bytes;
-    /// Not called if the port is open when the link is attached. `why`, when it is down, is one line for people.
+    /// Not called if the port is open when the link is attached. `why`, if it is down, is one line for the operator.
     std::function<void(std::int64_t now, bool up, const std::string& why)> on_link;
   };
 
-  /// Opens the port, if the device is there. Throws NotASerialPort, with one clear line: only the config mends that.
+  /// Opens the port if the device is present. Throws NotASerialPort with a one-line message: only the config can fix
+  /// that.
   explicit SerialLink(SerialSettings settings);
   SerialLink(const SerialLink&) = delete;
   SerialLink& operator=(const SerialLink&) = delete;
 
-  /// Begins to read; tells at once if there is no device. The loop must not run after this object's end.
+  /// Begins to read; reports at once if there is no device. The loop must not run after this object is destroyed.
   void attach(EventLoop& loop, Handlers handlers);
-  /// One message to the device. What the kernel does not take at once is sent as it makes room. The message is lost,
-  /// and counted, while there is no device, and if more than SendQueue::kMost bytes wait.
+  /// Sends one message to the device. What the kernel does not accept at once is sent when it has room. The message is
+  /// dropped and counted while there is no device, and if more than SendQueue::kMost bytes are waiting.
   void send(std::span<const std::uint8_t> bytes);
 
   /// Adds serial.baud, serial.low_latency (0, 1), serial.latency_timer_ms, serial.low_latency_refused (openings),
@@ -51,7 +52,7 @@ class SerialLink {
 
   SerialSettings settings_;
   std::optional<SerialPort> port_;
-  std::string why_;  // there is no port
+  std::string why_;  // reason why there is no port
   EventLoop* loop_ = nullptr;
   Handlers handlers_;
   SendQueue queue_;

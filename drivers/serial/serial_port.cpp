@@ -17,7 +17,7 @@ namespace curbstone::serial {
 
 namespace {
 
-/// What to do about it, where that is known.
+/// Advice for the error, if there is any.
 std::string hint(int error) {
   switch (error) {
     case ENOENT:
@@ -40,7 +40,7 @@ std::string hint(int error) {
 SerialPort::SerialPort(const SerialSettings& settings) {
   fd_ = ::open(settings.device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (fd_ < 0) fail(settings.device, errno);
-  // The lock is for everybody (root too), TIOCEXCL for programs that do not ask for the lock.
+  // The lock is for all programs (root too), TIOCEXCL for programs that do not use the lock.
   int error = ::flock(fd_, LOCK_EX | LOCK_NB) != 0 ? (errno == EWOULDBLOCK ? EBUSY : errno) : 0;
   if (error == 0) error = set_raw_line(fd_, settings.baud);
   if (error == 0) {

@@ -16,25 +16,26 @@ struct SerialSettings {
   bool low_latency = true;  ///< ask the port's driver not to hold bytes back
 };
 
-/// The name is that of something else than a serial port: no waiting makes it one.
+/// The name is that of something else than a serial port: waiting does not fix that.
 class NotASerialPort : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// A serial port in raw mode, 8N1, no flow control, non-blocking, held exclusively. Move-only; closes at its end.
+/// A serial port in raw mode, 8N1, no flow control, non-blocking, opened exclusively. Move-only; closed by the
+/// destructor.
 class SerialPort {
  public:
-  /// Throws std::runtime_error with one clear line: no such device, no permission, busy; NotASerialPort.
+  /// Throws std::runtime_error with a one-line message: no such device, no permission, busy; NotASerialPort.
   explicit SerialPort(const SerialSettings& settings);
   ~SerialPort();
   SerialPort(SerialPort&& other) noexcept;
   SerialPort& operator=(SerialPort&& other) noexcept;
 
   [[nodiscard]] int fd() const { return fd_; }
-  /// As the driver tells it; 0 if it does not.
+  /// As reported by the driver; 0 if it reports none.
   [[nodiscard]] int baud() const { return baud_; }
-  /// What was granted; nothing if it was not asked for.
+  /// What was granted; nothing if it was not requested.
   [[nodiscard]] const LowLatency& low_latency() const { return low_latency_; }
 
   enum class Status { kData, kNothing, kGone };
@@ -42,9 +43,9 @@ class SerialPort {
     Status status = Status::kNothing;
     std::size_t size = 0;
   };
-  /// What has arrived, up to the buffer's size.
+  /// Reads what has arrived, up to the buffer's size.
   [[nodiscard]] Read read(std::span<std::uint8_t> buffer);
-  /// Bytes that went into the kernel's queue: fewer when it is full or the device is gone.
+  /// Returns the number of bytes accepted by the kernel: fewer if its queue is full or the device has vanished.
   std::size_t write(std::span<const std::uint8_t> bytes);
 
  private:

@@ -25,7 +25,7 @@ bool is_inside(const std::string& group, const std::string& ancestor) {
   return group == ancestor || group.starts_with(ancestor + "/");
 }
 
-/// Does a script, through run_script, come back to itself?
+/// Whether a script calls itself through run_script.
 bool calls_itself(const Config& config, const Script& start) {
   std::set<std::string> seen;
   std::vector<const Script*> todo = {&start};

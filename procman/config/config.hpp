@@ -11,16 +11,16 @@ namespace curbstone::procman::config {
 inline constexpr int kDefaultStopSignal = 2;          ///< SIGINT
 inline constexpr double kDefaultStopTimeAllowed = 7;  ///< s
 
-/// One process, as the operator's config describes it.
+/// One process as described in the operator's config.
 struct Command {
   std::string id;      ///< unique over all deputies; no '/'
-  std::string exec;    ///< words as parse_exec_line() takes them
+  std::string exec;    ///< words in the syntax of parse_exec_line()
   std::string deputy;  ///< the deputy that runs it
   std::string group;   ///< path of the enclosing groups, "drivers/cameras"; empty at the top
   bool auto_respawn = false;
   int stop_signal = kDefaultStopSignal;                ///< 1..64
   double stop_time_allowed = kDefaultStopTimeAllowed;  ///< s from the stop signal to SIGKILL
-  double heartbeat = 0;                                ///< s without its SERVICE_STATUS: it hangs; 0: not watched
+  double heartbeat = 0;  ///< s without SERVICE_STATUS after which the process counts as hung; 0: not watched
   bool operator==(const Command&) const = default;
 };
 
@@ -36,7 +36,7 @@ enum class ActionKind { kStart, kStop, kRestart, kWaitTime, kWaitStatus, kRunScr
 struct Action {
   ActionKind kind = ActionKind::kStart;
   Target target;                            ///< kStart, kStop, kRestart, kWaitStatus
-  WaitStatus wait_for = WaitStatus::kNone;  ///< kWaitStatus; of the others, what to wait for after acting
+  WaitStatus wait_for = WaitStatus::kNone;  ///< for kWaitStatus; for the others, what to wait for after acting
   long wait_ms = 0;                         ///< kWaitTime
   std::string script;                       ///< kRunScript
 };
@@ -46,20 +46,20 @@ struct Script {
   std::vector<Action> actions;
 };
 
-/// What a .cfg file says, in the order of the file.
+/// Contents of a .cfg file, in the order of the file.
 struct Config {
   std::vector<Command> commands;
   std::vector<Script> scripts;
 
   [[nodiscard]] const Command* find_command(std::string_view id) const;
   [[nodiscard]] const Script* find_script(std::string_view name) const;
-  /// Ids that a target names, in the order of the file. A group includes its subgroups.
+  /// Ids of the commands that a target names, in the order of the file. A group includes its subgroups.
   [[nodiscard]] std::vector<std::string> resolve(const Target& target) const;
-  /// Commands by group, groups in the order in which the file first names them: the order of stopping.
+  /// Commands by group, with the groups in the order of their first mention in the file. This is the order of stopping.
   [[nodiscard]] std::vector<std::vector<std::string>> stages() const;
 };
 
-/// A file that is not in procman's grammar: "ugv.cfg:3:12: expected ';'", the source line, and a caret under the place.
+/// Syntax error of a config file: "ugv.cfg:3:12: expected ';'", the source line, and a caret below the position.
 class ConfigSyntaxError : public std::runtime_error {
  public:
   ConfigSyntaxError(const std::string& what, int line, int column)
@@ -72,12 +72,13 @@ class ConfigSyntaxError : public std::runtime_error {
   int column_;
 };
 
-/// Reads procman's grammar, described in docs/procman.md. `host` stands for `deputy`, as in bot2-procman. `file` names
-/// the source in errors. Throws ConfigSyntaxError.
+/// Parses procman's grammar, described in docs/procman.md. `host` is a synonym of `deputy`, as in bot2-procman. `file`
+/// names the source in errors. Throws ConfigSyntaxError.
 [[nodiscard]] Config parse_config(std::string_view text, const std::string& file);
 
-/// All errors that the grammar cannot see, one line each: empty or duplicate ids; exec strings that are empty or do not
-/// split into words; no deputy; scripts that name what does not exist or call themselves. Empty if there are none.
+/// All errors that the grammar does not exclude, one line each: empty or duplicate ids; exec strings that are empty or
+/// cannot be split into words; no deputy; scripts that name something that does not exist, or call themselves. Empty if
+/// there are none.
 [[nodiscard]] std::vector<std::string> check_config(const Config& config);
 
 /// Reads and checks a file. Throws std::runtime_error with all errors, one line each.

@@ -48,7 +48,7 @@ void ConfigLexer::fail(const Token& at, const std::string& message) const {
   for (int line = 1; line < at.line; ++line) begin = text_.find('\n', begin) + 1;
   std::string_view source = text_.substr(begin, text_.find('\n', begin) - begin);
   if (source.ends_with('\r')) source.remove_suffix(1);
-  std::string margin;  // tabs stay tabs, so that the caret stands where the eye looks
+  std::string margin;  // tabs are kept, so that the caret is below the position
   for (int i = 0; i + 1 < at.column && static_cast<std::size_t>(i) < source.size(); ++i) {
     margin += source[static_cast<std::size_t>(i)] == '\t' ? '\t' : ' ';
   }

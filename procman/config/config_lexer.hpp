@@ -9,21 +9,21 @@ enum class TokenKind { kEnd, kName, kString, kInteger, kPunctuation };
 
 struct Token {
   TokenKind kind = TokenKind::kEnd;
-  std::string text;  ///< a string's contents with the escapes resolved
+  std::string text;  ///< contents of a string with the escapes resolved
   int line = 1;      ///< from 1
   int column = 1;    ///< from 1, in bytes
 };
 
-/// Cuts a .cfg text into tokens, and composes the error messages. The text must outlive it.
+/// Splits a .cfg text into tokens, and composes the error messages. The text must outlive it.
 class ConfigLexer {
  public:
   ConfigLexer(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {}
 
-  /// The next token, without taking it.
+  /// The next token, without consuming it.
   [[nodiscard]] const Token& peek();
   Token take();
 
-  /// Throws ConfigSyntaxError at a token: position, message, the source line and a caret.
+  /// Throws ConfigSyntaxError at a token, with position, message, source line and caret.
   [[noreturn]] void fail(const Token& at, const std::string& message) const;
 
  private:
@@ -42,7 +42,7 @@ class ConfigLexer {
   bool has_next_ = false;
 };
 
-/// A token as an error names it: "'}'", "the end of the file", "the string "x"".
+/// A token as named in errors: "'}'", "the end of the file", "the string "x"".
 [[nodiscard]] std::string describe(const Token& token);
 
 }  // namespace curbstone::procman::config

@@ -11,7 +11,7 @@ namespace curbstone::procman::config {
 
 namespace {
 
-constexpr int kMaxGroupDepth = 32;  // ours: nested groups recurse
+constexpr int kMaxGroupDepth = 32;  // bounds the recursion of nested groups
 constexpr int kMaxSignal = 64;
 
 bool is_blank(const std::string& text) {
@@ -23,7 +23,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// Recursive descent; each method reads one rule of the grammar.
+/// Recursive descent; each method parses one rule of the grammar.
 class Parser {
  public:
   Parser(std::string_view text, const std::string& file) : lexer_(text, file) {}
@@ -69,7 +69,7 @@ class Parser {
     return true;
   }
 
-  /// The integer's value; digits that do not fit are an error at their place.
+  /// Value of an integer; digits out of range are an error at their position.
   long integer(const std::string& wanted, long min, long max) {
     const Token token = expect(TokenKind::kInteger, wanted);
     long value = 0;
@@ -80,7 +80,7 @@ class Parser {
     return value;
   }
 
-  /// Whole seconds, in quotes or not.
+  /// Whole seconds, with or without quotes.
   long heartbeat() {
     constexpr const char* kWanted = "heartbeat, whole seconds from 1 to 3600";
     if (lexer_.peek().kind != TokenKind::kString) return integer(kWanted, 1, 3600);

@@ -7,7 +7,7 @@ namespace curbstone::procman::config {
 
 namespace {
 
-/// The words of an exec string; nothing when a quote is not closed or a backslash ends the string.
+/// The words of an exec string; nothing if a quote is not closed or a backslash ends the string.
 std::optional<std::vector<std::string>> split_words(const std::string& exec) {
   std::vector<std::string> words;
   std::string word;
@@ -47,7 +47,7 @@ bool is_name_rest(char c) {
   return is_name_start(c) || std::isdigit(static_cast<unsigned char>(c)) != 0;
 }
 
-/// A variable reference at word[at] == '$': its name, and where the text goes on. No name: it is just a '$'.
+/// A variable reference at word[at] == '$': its name and its end. Without a name it is a plain '$'.
 struct Reference {
   std::string name;
   std::size_t end = 0;

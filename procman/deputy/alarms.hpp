@@ -9,18 +9,18 @@
 
 namespace curbstone::procman::deputy {
 
-/// What is wrong with the commands, in words, for the deputy's own SERVICE_STATUS. Pure: time comes in, us.
+/// Faults of the commands, in words, for the deputy's own SERVICE_STATUS. Pure: time is an argument, us.
 class Alarms {
  public:
-  static constexpr std::int64_t kWindow = 60'000'000;  ///< us that a death is remembered
-  static constexpr std::size_t kCrashLoop = 5;         ///< deaths in that time
+  static constexpr std::int64_t kWindow = 60'000'000;  ///< us for which a death is remembered
+  static constexpr std::size_t kCrashLoop = 5;         ///< deaths in that time that count as a crash loop
 
-  /// A life is over; `how` in words.
+  /// A command has ended; `how` in words.
   void ended(const process::CommandState& state, const std::string& how, std::int64_t now);
   /// A command was silent for too long and is being replaced.
   void silent(const std::string& id, double seconds, std::int64_t now);
 
-  /// One line a fault; empty when all is well. Also forgets what is old.
+  /// One line per fault; empty if there are none. Also drops old events.
   [[nodiscard]] std::vector<std::string> faults(const std::vector<const process::CommandState*>& commands,
                                                 std::int64_t now);
 
@@ -31,7 +31,7 @@ class Alarms {
   };
   struct Past {
     std::vector<std::int64_t> deaths;  // us
-    std::string how;                   // the last one
+    std::string how;                   // of the latest death
     Silence silence;
   };
   std::map<std::string, Past> past_;

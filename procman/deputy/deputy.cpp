@@ -15,10 +15,10 @@ namespace {
 constexpr std::int64_t kDiscoveryPeriod = 200'000;
 constexpr std::int64_t kInfoPeriod = 1'000'000;
 constexpr std::int64_t kOutputPeriod = 10'000;  // one message at a time: no bursts
-constexpr std::size_t kMaxCommands = 300;       // ordered by strangers; bounds PM_INFO
+constexpr std::size_t kMaxCommands = 300;       // of foreign orders; bounds PM_INFO
 constexpr std::size_t kMaxRefusedRemembered = 1000;
-constexpr std::int64_t kPlayed = 5'000'000;  // us: what is older comes from a log that is being played
-/// us that a message has been under way; any bytes may stand in it.
+constexpr std::int64_t kPlayed = 5'000'000;  // us: an older message comes from a log that is being played
+/// Age of a message, us; `utime` may have any value.
 std::int64_t age_of(std::int64_t utime) {
   return wall_clock() - std::max<std::int64_t>(utime, 0);
 }
@@ -116,7 +116,7 @@ void Deputy::apply(const procman_lcm::cmd_desired_t& order) {
     const config::Command* const known = own(command->id);
     if (known == nullptr || known->exec != command->exec)
       return refuse(command->id, "it is not in the deputy's own config with this exec");
-    command->heartbeat = known->heartbeat;  // which the wire does not have
+    command->heartbeat = known->heartbeat;  // not on the wire
     if (*known != *command) counters_.add("refused.change");
     command = *known;
   }

@@ -20,28 +20,29 @@ namespace curbstone::procman::deputy {
 
 struct DeputyOptions {
   std::string id;
-  /// Orders are accepted only for the commands of this config, with exactly its exec strings; how they are stopped and
-  /// respawned is this config's too, and they are not removed. None: for any.
+  /// If set, orders are accepted only for the commands of this config, with exactly its exec strings. Stop and respawn
+  /// settings are those of this config too, and its commands cannot be removed. If not set, orders are accepted for any
+  /// command.
   std::optional<config::Config> allow_list;
-  /// An order without any command removes all of them. Only where this is said: it is what a damaged one looks like.
+  /// Accept an order without any command, which removes all of them. Off by default: a damaged order looks the same.
   bool allow_empty_orders = false;
-  std::int64_t discovery_window = 500'000;  ///< us in which somebody else may claim the id
+  std::int64_t discovery_window = 500'000;  ///< us in which another deputy may claim the id
 };
 
-/// A deputy as a sheriff sees it on the bus: discovery, PM_INFO, PM_ORDERS, PM_OUTPUT. Compatible with procman on the
-/// wire (github.com/ashuang/procman). An order that cannot be carried out is counted, and refused in words once. One
-/// thread calls everything.
+/// The bus protocol of a deputy, as a sheriff sees it: discovery, PM_INFO, PM_ORDERS, PM_OUTPUT. Compatible with
+/// procman on the wire (github.com/ashuang/procman). An order that cannot be carried out is counted, and its refusal is
+/// reported once. All calls from one thread.
 class Deputy {
  public:
   Deputy(DeputyOptions options, process::Supervisor& supervisor, Publisher& bus);
 
   void connect(Subscriber& bus);
-  /// Every 10 ms or so: discovery, PM_INFO at 1 Hz, pending PM_OUTPUT.
+  /// Call it about every 10 ms: discovery, PM_INFO at 1 Hz, pending PM_OUTPUT.
   void tick();
 
-  /// True once nobody else has claimed our id for half a second.
+  /// True once no other deputy has claimed this id for half a second.
   [[nodiscard]] bool active() const { return active_; }
-  /// Who has claimed it, in words; empty when nobody has.
+  /// The deputy that has claimed this id, in words; empty if there is none.
   [[nodiscard]] const std::string& conflict() const { return conflict_; }
 
   /// Starts a command without a sheriff's order.
@@ -49,11 +50,11 @@ class Deputy {
   /// Orders are ignored from this call on.
   void begin_shutdown() { shutting_down_ = true; }
 
-  /// What a command printed, to be sent as PM_OUTPUT. With an empty id it is text of the deputy itself.
+  /// Queues a command's output, to be sent as PM_OUTPUT. With an empty id it is text of the deputy itself.
   void output(const std::string& id, std::string_view bytes) { output_.add(id, bytes); }
-  /// Sends PM_INFO with the next tick: something has changed.
+  /// Requests PM_INFO with the next tick, after a change.
   void changed() { info_due_ = 0; }
-  /// Sends all that is pending, at the end.
+  /// Sends everything that is pending, at the end.
   void flush();
 
   /// Called when a sheriff announces itself, so that the last lines can be output() again.
@@ -79,7 +80,7 @@ class Deputy {
   process::UsageMeter meter_;
   Counters counters_;
   std::map<std::string, std::int32_t> runids_;
-  std::set<std::string> refused_;  // said once
+  std::set<std::string> refused_;  // reported once
   std::string conflict_;
   bool active_ = false;
   bool shutting_down_ = false;

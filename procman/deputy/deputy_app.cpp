@@ -20,17 +20,16 @@ namespace curbstone::procman::deputy {
 namespace {
 
 constexpr std::int64_t kShortLife = 1'000'000;  // us
-constexpr int kCrashLoop = 5;                   // short lives in a row: said once as such, then every 60th
+constexpr int kCrashLoop = 5;  // consecutive short lives: reported once as a crash loop, then every 60th
 constexpr std::size_t kLinesShown = 10;
 constexpr std::size_t kLinesResent = 50;
-constexpr std::int64_t kOldStatus = 5'000'000;  // us: of a log that is being played
+constexpr std::int64_t kOldStatus = 5'000'000;  // us: an older status comes from a log that is being played
 
-// The drivers have their ports by then, and what they receive is looked at too.
-constexpr std::int64_t kDoctorAfter = 10'000'000;  // us
-constexpr std::int64_t kDoctorAgain =
-    600'000'000;  // us, while it finds something: what was mended is no fault any more
+// By then the drivers have their ports open, and doctor can check what they receive.
+constexpr std::int64_t kDoctorAfter = 10'000'000;   // us
+constexpr std::int64_t kDoctorAgain = 600'000'000;  // us, while it has findings, so that fixed ones disappear
 
-/// Commands are found beside the deputy first, and a vehicle's config is where it is usually installed.
+/// Programs are looked up beside the deputy first, and a vehicle's config where it is usually installed.
 void prepare_environment() {
   std::error_code error;
   const auto own = std::filesystem::read_symlink("/proc/self/exe", error);
@@ -46,7 +45,7 @@ std::string describe_status(int status) {
   return fmt::format("exit status {}", WEXITSTATUS(status));
 }
 
-/// A service begins its lines with its name already.
+/// Prefixes a line with the command's id, unless the service has done so already.
 std::string named_line(const std::string& id, std::string_view line) {
   return line.starts_with(id + ": ") ? std::string(line) : fmt::format("{}: {}", id, line);
 }
@@ -141,7 +140,7 @@ void DeputyApp::shut_down() {
   if (supervisor_.any_running()) say("stopping");
   stopping_.emplace(supervisor_, config_.stages());
   while (!stopping_->step(steady_clock())) {
-    loop_.run();  // until tick() sees the end, or another signal
+    loop_.run();  // until tick() has the end, or another signal arrives
     if (stopping_->step(steady_clock())) break;
     say("killing what is left");
     supervisor_.kill_all();
@@ -170,7 +169,7 @@ void DeputyApp::tick() {
   }
 }
 
-/// By its name: a command's id is its name on the bus.
+/// Identifies the command by the service's name: a command's id is its name on the bus.
 void DeputyApp::on_status(const service_status_t& status) {
   if (status.host != host_name() || std::abs(wall_clock() - std::max<std::int64_t>(status.utime, 0)) > kOldStatus)
     return;
@@ -243,8 +242,9 @@ bool DeputyApp::is_up(const std::string& id) const {
   return state == nullptr || state->pid == 0 || heartbeats_.alive(id);
 }
 
-/// What a script waits for. "running" means, as in procman, that the deputy has done what it could: a script does not
-/// hang on a program that cannot start. One that is watched has also spoken: before that it hears nothing either.
+/// Whether a script's wait is over. "running" means, as in procman, that the deputy has done what it could: a script
+/// does not hang on a program that cannot start. A watched command must also have sent a status: before that it
+/// receives nothing either.
 bool DeputyApp::has_come_to(const std::string& id, config::WaitStatus wanted) const {
   const process::CommandState* state = supervisor_.find(id);
   if (state == nullptr || (state->pid == 0 && state->respawn_at == 0)) return true;
@@ -290,7 +290,7 @@ void DeputyApp::on_ended(const process::CommandState& state, std::int64_t lived)
   deputy_->changed();
   const std::string& id = state.command.id;
   keeper_.end(id, [&](std::string_view line) { print_line(id, line); });
-  if (WIFSIGNALED(state.exit_status)) {  // as procman words it for sheriffs
+  if (WIFSIGNALED(state.exit_status)) {  // in procman's words, for sheriffs
     deputy_->output(id, fmt::format("{}\n{}", strsignal(WTERMSIG(state.exit_status)),
                                     WCOREDUMP(state.exit_status) ? "Core dumped.\n" : ""));
   }
@@ -330,14 +330,14 @@ void DeputyApp::print_line(const std::string& id, std::string_view line) const {
   std::fflush(stdout);
 }
 
-/// Of a command that failed, when its output was not printed as it came.
+/// For a command that failed while its output was not printed.
 void DeputyApp::show_last_lines(const std::string& id) {
   if (!options_.quiet) return;
   for (const std::string& line : keeper_.last_lines(id, kLinesShown)) fmt::print("  {}\n", named_line(id, line));
   std::fflush(stdout);
 }
 
-/// A sheriff that comes late still sees what the commands last printed.
+/// Resends the last output for a sheriff that arrives late.
 void DeputyApp::resend_last_lines() {
   for (const process::CommandState* state : supervisor_.commands()) {
     const std::string& id = state->command.id;

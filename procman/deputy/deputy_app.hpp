@@ -25,7 +25,7 @@
 
 namespace curbstone::procman::deputy {
 
-/// Wrong options or config; what() says what is wrong, for people.
+/// Wrong options or config; what() is a message for the operator.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -34,26 +34,26 @@ class UsageError : public std::runtime_error {
 struct DeputyAppOptions {
   std::string config_file;  ///< empty: none
   std::string id;           ///< empty: the only deputy that the config names, else the host name
-  std::string script;       ///< run it at the start
+  std::string script;       ///< script to run at the start
   bool start_all = false;
-  bool allow_any = false;           ///< take orders for commands that are not in the config
+  bool allow_any = false;           ///< accept orders for commands that are not in the config
   bool allow_empty_orders = false;  ///< an order without commands removes all that are not in the config
   bool doctor = false;              ///< run `curbstone doctor` at the start
-  bool quiet = false;               ///< do not print what the commands print
+  bool quiet = false;               ///< do not print the commands' output
   std::string lcm_url;
   std::string log_dir;
   output::KeepLimits keep;
-  std::string exit_when;  ///< when this command has ended, stop the rest and exit
-  double settle = 0;      ///< s between the two
+  std::string exit_when;  ///< when this command has ended, stop the others and exit
+  double settle = 0;      ///< s between the end of `exit_when` and stopping the others
 };
 
 /// The process `curbstone-deputy`: a deputy on the bus that also runs its own config without a sheriff. One thread.
 class DeputyApp {
  public:
-  /// Throws UsageError, or std::runtime_error when the environment fails.
+  /// Throws UsageError, or std::runtime_error if the environment fails.
   explicit DeputyApp(DeputyAppOptions options);
-  /// Runs until a signal, or the end of `exit_when`. Then it stops everything, stage by stage; a second signal kills.
-  /// Returns the exit status: 0 clean, 1 `exit_when` failed, 2 another deputy has our id.
+  /// Runs until a signal or the end of `exit_when`. Then it stops everything, stage by stage; a second signal kills.
+  /// Returns the exit status: 0 clean, 1 `exit_when` failed, 2 another deputy has this id.
   int run();
 
  private:
@@ -76,7 +76,7 @@ class DeputyApp {
   void resend_last_lines();
 
   DeputyAppOptions options_;
-  config::Config config_;  // our commands only
+  config::Config config_;  // commands of this deputy only
   EventLoop loop_;
   output::OutputKeeper keeper_;
   process::Supervisor supervisor_;
@@ -87,13 +87,13 @@ class DeputyApp {
   Alarms alarms_;
   std::optional<StatusReporter> reporter_;
   std::optional<DoctorRun> doctor_;
-  bool doctor_done_ = false;           // doctor_ has said what it found
-  std::int64_t doctor_due_ = 0;        // us; 0: not again
-  std::vector<std::string> findings_;  // that hold
+  bool doctor_done_ = false;           // doctor_ has reported its findings
+  std::int64_t doctor_due_ = 0;        // us; 0: not scheduled
+  std::vector<std::string> findings_;  // current findings
   std::optional<StartSequence> starting_;
   std::optional<ScriptRunner> script_;
   std::optional<process::StopSequence> stopping_;
-  std::map<std::string, int> short_lives_;  // in a row
+  std::map<std::string, int> short_lives_;  // consecutive short lives, by command
   bool begun_ = false;
   int status_ = 0;
   std::int64_t end_at_ = 0;      // us; 0: not yet known

@@ -19,11 +19,12 @@ namespace {
 
 constexpr std::size_t kMostText = 1 << 20;
 
-/// With the signals that the deputy itself takes by signalfd(2). Returns 0 when it cannot be started.
+/// Starts it with an empty signal mask: the deputy blocks the signals that it takes by signalfd(2). Returns 0 if that
+/// fails.
 pid_t start_program(const std::vector<std::string>& words, int output) {
   std::vector<char*> argv;
   argv.reserve(words.size() + 1);
-  for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));  // as POSIX has it
+  for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));  // POSIX declares argv so
   argv.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -69,12 +70,12 @@ DoctorRun::DoctorRun(EventLoop& loop, const std::string& procman_config, const s
   if (const char* config = getenv("CURBSTONE_CONFIG")) words.insert(words.end(), {"--config", config});
   if (!lcm_url.empty()) words.insert(words.end(), {"--lcm-url", lcm_url});
   pid_ = start_program(words, input.get());
-  loop_.watch(output_.get(), [this] { read_on(); });  // also its end at once, if nothing was started
+  loop_.watch(output_.get(), [this] { read_on(); });  // at its end at once, if nothing was started
 }
 
 DoctorRun::~DoctorRun() {
   loop_.unwatch(output_.get());
-  if (pid_ != 0) kill(pid_, SIGKILL);  // whoever waits for children takes it
+  if (pid_ != 0) kill(pid_, SIGKILL);  // reaped by the owner of the child signal
 }
 
 void DoctorRun::read_on() {
@@ -87,7 +88,7 @@ void DoctorRun::read_on() {
   }
   loop_.unwatch(output_.get());
   pid_ = 0;
-  const Done done = done_;  // it may end us
+  const Done done = done_;  // it may destroy this object
   done(doctor_findings(text_));
 }
 

@@ -12,14 +12,14 @@
 
 namespace curbstone::procman::deputy {
 
-/// What the JSON of `curbstone doctor` found, a line each with its fix; nothing if it is none.
+/// The findings in the JSON of `curbstone doctor`, one line each with its fix; nothing if the text is not such JSON.
 [[nodiscard]] std::optional<std::vector<std::string>> doctor_findings(const std::string& json);
 
-/// `curbstone doctor`, running beside everything else. It is killed with its owner. The loop must outlive it.
+/// Runs `curbstone doctor` in the background. Its process is killed with the owner. The loop must outlive it.
 class DoctorRun {
  public:
-  /// `done` gets the findings, or nothing when it could not be run; then the owner may end this. Throws
-  /// std::system_error if no pipe can be had.
+  /// `done` receives the findings, or nothing if doctor could not be run; the owner may destroy this object in it.
+  /// Throws std::system_error if no pipe can be created.
   using Done = std::function<void(std::optional<std::vector<std::string>> findings)>;
   DoctorRun(EventLoop& loop, const std::string& procman_config, const std::string& lcm_url, Done done);
   ~DoctorRun();

@@ -7,7 +7,7 @@
 namespace curbstone::procman::deputy {
 
 namespace {
-constexpr std::int64_t kLooks = 1'000'000;  // us between two looks that are no pause
+constexpr std::int64_t kLooks = 1'000'000;  // us between two calls that are not a pause
 }
 
 void Heartbeats::begin(const std::string& id, double seconds, std::int64_t now) {

@@ -8,42 +8,43 @@
 
 namespace curbstone::procman::deputy {
 
-/// Follows the SERVICE_STATUS of the commands that have a heartbeat. A command's status comes from the loop that does
-/// its work, so one that hangs falls silent while its process lives on. Pure: time comes in, us of a clock that does
-/// not jump.
+/// Watches the SERVICE_STATUS of the commands that have a heartbeat. A command publishes its status from the loop that
+/// does its work, so a command that hangs is silent while its process lives. Pure: time is an argument, us of a clock
+/// that does not jump.
 class Heartbeats {
  public:
-  static constexpr std::int64_t kFirst = 30'000'000;  ///< us from the start to the first status: a map may be loaded
+  static constexpr std::int64_t kFirst = 30'000'000;  ///< us from start to first status: a map may have to be loaded
 
-  /// A life begins. `seconds` of silence are too many; 0: it is not watched.
+  /// A command was started. It counts as hung after `seconds` of silence; 0: it is not watched.
   void begin(const std::string& id, double seconds, std::int64_t now);
   void end(const std::string& id) { lives_.erase(id); }
-  /// Its status has come.
+  /// A status of the command has arrived.
   void hear(const std::string& id, bool faultless, std::int64_t now);
 
-  /// The deputy hears on the bus what it said itself, once a second. Once it did, the time in which it does not is held
-  /// against nobody: the bus is silent, and not the commands.
+  /// The deputy's own status, sent once a second, has arrived from the bus. After the first one, any time without it
+  /// does not count as a command's silence: then the bus is silent, not the commands.
   void hear_itself(std::int64_t now) { itself_ = now; }
   [[nodiscard]] bool is_deaf(std::int64_t now) const { return itself_ != 0 && now - itself_ > kQuiet; }
 
-  /// Ids of commands that have been silent for too long, each once a life. To be called often: the time in which it was
-  /// not called, because the deputy itself had no CPU, is not held against them.
+  /// Ids of commands that have been silent for too long, each once per life. Call it often: time in which it was not
+  /// called, because the deputy itself had no CPU, does not count as silence.
   [[nodiscard]] std::vector<std::string> take_silent(std::int64_t now);
 
-  /// Those that have spoken in this life and have been silent for longer than kQuiet, and for how long, s. They may be
-  /// stopped, or get no CPU; they are left alone until their patience is over. None where the deputy is deaf.
-  static constexpr std::int64_t kQuiet = 2'500'000;  ///< us; statuses come at 1 Hz
+  /// Commands that have sent a status in this life and have been silent for longer than kQuiet, with the duration in s.
+  /// They may be stopped, or get no CPU; they are left alone until take_silent() returns them. Empty while the deputy
+  /// is deaf.
+  static constexpr std::int64_t kQuiet = 2'500'000;  ///< us; statuses are sent at 1 Hz
   [[nodiscard]] std::vector<std::pair<std::string, double>> quiet(std::int64_t now) const;
 
-  /// Has it spoken in this life? A command that is not watched needs not.
+  /// Whether it has sent a status in this life. Always true for a command that is not watched.
   [[nodiscard]] bool alive(const std::string& id) const;
-  /// Has it said in this life that it has no fault?
+  /// Whether it has sent a status without faults in this life. Always true for a command that is not watched.
   [[nodiscard]] bool ready(const std::string& id) const;
 
  private:
   struct Life {
     std::int64_t patience = 0;  // us
-    std::int64_t heard = 0;     // us, or when it began
+    std::int64_t heard = 0;     // us, of the latest status, else of the start
     bool alive = false;
     bool ready = false;
     bool taken = false;
@@ -51,7 +52,7 @@ class Heartbeats {
   std::map<std::string, Life> lives_;  // of commands that are watched
   std::int64_t looked_ = 0;            // us
   std::int64_t itself_ = 0;            // us
-  bool was_deaf_ = false;              // at the last look
+  bool was_deaf_ = false;              // at the last call of take_silent()
 };
 
 }  // namespace curbstone::procman::deputy

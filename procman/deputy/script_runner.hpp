@@ -10,21 +10,21 @@
 namespace curbstone::procman::deputy {
 
 /// Runs one script of a config: actions in order, with waits. check_config() must have found no error in the config.
-/// Pure: time comes in, and actions go out through Hands.
+/// Pure: time is an argument, and actions are calls of Hands.
 class ScriptRunner {
  public:
   struct Hands {
     std::function<void(const std::string& id)> start;
     std::function<void(const std::string& id)> stop;
     std::function<void(const std::string& id)> restart;
-    /// Has what was asked of the command been done: started (or tried), stopped?
+    /// Whether the command has reached the status: started (or start tried), stopped.
     std::function<bool(const std::string& id, config::WaitStatus)> satisfied;
   };
 
   ScriptRunner(const config::Config& config, const std::string& script, Hands hands);
 
-  /// Does what is due at `now` (us, any origin). After a wait for a status the next action is 0.1 s later than the one
-  /// before, as procman's sheriff has it.
+  /// Does what is due at `now` (us, any origin). After a wait for a status the next action follows at least 0.1 s after
+  /// the one before, as in procman's sheriff.
   void step(std::int64_t now);
   [[nodiscard]] bool done() const { return next_ == steps_.size(); }
 
@@ -42,9 +42,9 @@ class ScriptRunner {
   std::vector<Step> steps_;
   std::size_t next_ = 0;
   bool begun_ = false;         // the next step is a wait that has begun
-  std::int64_t since_ = 0;     // when it began
-  std::int64_t acted_at_ = 0;  // when the last action was done
-  bool must_pause_ = false;    // a status was waited for
+  std::int64_t since_ = 0;     // us, begin of that wait
+  std::int64_t acted_at_ = 0;  // us, of the last action
+  bool must_pause_ = false;    // the last step waited for a status
 };
 
 }  // namespace curbstone::procman::deputy

@@ -7,31 +7,31 @@
 
 namespace curbstone::procman::deputy {
 
-/// Starts everything: the first stage, the sources of the data, last, so that nothing of what they say is missed. The
-/// others begin together, from the sink on: until a source speaks they have nothing to say to each other. The sources
-/// begin when all the others are up, or kPatience later: one that does not come up must not keep them down. Pure: time
-/// comes in, us.
+/// Starts everything. The first stage, the sources of the data, starts last, so that none of its messages is missed.
+/// The other stages start together, beginning at the sink: without data they exchange nothing. The sources start when
+/// all the others are up, or after kPatience: a command that does not come up must not delay them further. Pure: time
+/// is an argument, us.
 class StartSequence {
  public:
   static constexpr std::int64_t kPatience = 5'000'000;  ///< us
 
   struct Hands {
     std::function<void(const std::string& id)> start;
-    /// Has it said something, or ended, or can it say nothing?
+    /// Whether the command has sent a status, has ended, or sends no status at all.
     std::function<bool(const std::string& id)> is_up;
   };
 
-  /// `stages` in the order of the data.
+  /// `stages` in the order of the data flow.
   StartSequence(std::vector<std::vector<std::string>> stages, Hands hands)
       : stages_(std::move(stages)), hands_(std::move(hands)) {}
 
-  /// Does what is due at `now`. True when all have been started.
+  /// Does what is due at `now`. Returns true when all have been started.
   bool step(std::int64_t now);
 
  private:
   void start(const std::vector<std::string>& stage);
 
-  std::vector<std::vector<std::string>> stages_;  // none any more when all have been started
+  std::vector<std::vector<std::string>> stages_;  // empty when all have been started
   Hands hands_;
   bool begun_ = false;
   std::int64_t since_ = 0;

@@ -4,7 +4,8 @@
 
 namespace curbstone::procman::deputy {
 
-/// Tells systemd "READY=1", "WATCHDOG=1", "STOPPING=1" (sd_notify(3)). Does nothing when systemd has not started us.
+/// Sends "READY=1", "WATCHDOG=1" or "STOPPING=1" to systemd (sd_notify(3)). No effect if systemd did not start this
+/// process.
 void notify_systemd(std::string_view state);
 
 }  // namespace curbstone::procman::deputy

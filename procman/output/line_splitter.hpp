@@ -5,7 +5,7 @@
 
 namespace curbstone::procman::output {
 
-/// Cuts a stream of bytes into lines, without their "\n" or "\r\n". A line longer than kMaxLine is cut there.
+/// Splits a stream of bytes into lines, without their "\n" or "\r\n". A line longer than kMaxLine is cut there.
 class LineSplitter {
  public:
   static constexpr std::size_t kMaxLine = 4096;
@@ -21,7 +21,7 @@ class LineSplitter {
       }
     }
   }
-  /// Hands over the unfinished line at the end, if there is one.
+  /// Passes on the unfinished line at the end, if there is one.
   template <class OnLine>
   void flush(OnLine on_line, bool even_empty = false) {
     if (line_.ends_with('\r')) line_.pop_back();

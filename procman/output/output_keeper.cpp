@@ -14,7 +14,7 @@ namespace curbstone::procman::output {
 
 namespace {
 
-/// A file name for an id, whatever an operator calls his commands. Two ids never share a name.
+/// File name for an id, whatever characters it has. Two ids never share a name.
 std::string file_name(const std::string& id) {
   std::string name;
   for (const char c : id) {

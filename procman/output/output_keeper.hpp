@@ -16,45 +16,46 @@
 
 namespace curbstone::procman::output {
 
-/// Where and how much of the output is kept.
+/// How much of the output is kept.
 struct KeepLimits {
-  std::size_t lines = 200;                    ///< in memory, a command
-  std::size_t file_bytes = 10 * 1024 * 1024;  ///< a log file; then it is rotated
-  int old_files = 2;                          ///< rotated files kept a command: NAME.log.1, NAME.log.2
+  std::size_t lines = 200;                    ///< per command, in memory
+  std::size_t file_bytes = 10 * 1024 * 1024;  ///< size at which a log file is rotated
+  int old_files = 2;                          ///< rotated files per command: NAME.log.1, NAME.log.2
 };
 
 /// Keeps the last lines of each command in memory. With a folder it also writes all output to a bounded, rotated log
-/// file for each command; a line of it begins with the time in UTC, "2026-11-23T08:15:02.250Z ". If the disk is full or
-/// gone, only the files suffer: what they lack is counted, and a fault as long as it lasts.
+/// file per command, with the UTC time at the beginning of each line, "2026-11-23T08:15:02.250Z ". If the disk is full
+/// or gone only the files are affected: lines that could not be written are counted, and reported as a fault while it
+/// lasts.
 class OutputKeeper {
  public:
-  /// `folder` empty: memory only. Creates the folder; throws std::runtime_error with one clear line when it cannot.
+  /// `folder` empty: memory only. Creates the folder; throws std::runtime_error with a one-line message if it cannot.
   /// `clock`: us since the Unix epoch.
   explicit OutputKeeper(std::string folder, KeepLimits limits = {}, std::function<std::int64_t()> clock = wall_clock);
 
-  /// Takes bytes in pieces of any size. Calls `on_line` for each line when it is complete.
+  /// Adds bytes in pieces of any size. Calls `on_line` for each complete line.
   template <class OnLine>
   void add(const std::string& id, std::string_view bytes, OnLine on_line) {
     Kept& kept = of(id);
     kept.splitter.feed(bytes, [&](std::string_view line) { keep(kept, line, on_line); });
   }
-  /// The command has ended: an unfinished line is finished.
+  /// The command has ended: completes an unfinished line.
   template <class OnLine>
   void end(const std::string& id, OnLine on_line) {
     Kept& kept = of(id);
     kept.splitter.flush([&](std::string_view line) { keep(kept, line, on_line); });
     if (kept.file) std::fflush(kept.file.get());
   }
-  /// A line of the deputy about the command, into the file only: "-- started ...".
+  /// Writes a line of the deputy about the command to the file only: "-- started ...".
   void note(const std::string& id, std::string_view line);
 
   [[nodiscard]] const std::deque<std::string>& last_lines(const std::string& id);
-  /// No more than `most` of them.
+  /// At most `most` of them.
   [[nodiscard]] std::vector<std::string> last_lines(const std::string& id, std::size_t most);
   void forget(const std::string& id) { kept_.erase(id); }
-  /// Lines that no file has.
+  /// Number of lines that no file has.
   [[nodiscard]] std::int64_t write_failures() const { return write_failures_; }
-  /// A file that could not be written the last time, and why.
+  /// A file whose last write failed, and why.
   [[nodiscard]] std::optional<std::string> fault() const;
 
  private:
@@ -67,7 +68,7 @@ class OutputKeeper {
     std::string path;
     std::unique_ptr<std::FILE, CloseFile> file;
     std::size_t file_size = 0;
-    std::string failure;  // of the last write, in words
+    std::string failure;  // of the latest write, in words
   };
 
   template <class OnLine>

@@ -6,7 +6,7 @@ namespace curbstone::procman::output {
 
 namespace {
 
-/// The longest prefix of valid UTF-8 that is at most `limit` bytes and does not cut a character.
+/// Length of the longest prefix of valid UTF-8 that has at most `limit` bytes and does not cut a character.
 std::size_t whole_characters(std::string_view text, std::size_t limit) {
   if (text.size() <= limit) return text.size();
   while (limit > 0 && (static_cast<unsigned char>(text[limit]) & 0xC0U) == 0x80U) --limit;

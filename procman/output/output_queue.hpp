@@ -12,19 +12,19 @@
 
 namespace curbstone::procman::output {
 
-/// Text that waits to be sent as PM_OUTPUT: bounded messages, a bounded queue. Dropped text is mentioned in the output.
-/// Pure; the caller paces it.
+/// Queue of text to be sent as PM_OUTPUT, with bounded messages and a bounded size. Dropped text is mentioned in the
+/// output. Pure; the caller sets the rate.
 class OutputQueue {
  public:
-  static constexpr std::size_t kMaxMessage = 40'000;          ///< bytes of text in a message: below 48 kB in all
-  static constexpr std::size_t kMaxQueued = 4 * 1024 * 1024;  ///< bytes; beyond, new text is dropped, and counted
+  static constexpr std::size_t kMaxMessage = 40'000;          ///< bytes of text in a message: below 48 kB in total
+  static constexpr std::size_t kMaxQueued = 4 * 1024 * 1024;  ///< bytes; beyond that, new text is dropped and counted
 
   explicit OutputQueue(std::string deputy_id) : deputy_id_(std::move(deputy_id)) {}
 
-  /// With an empty `command_id` it is text of the deputy itself.
+  /// With an empty `command_id` the text is the deputy's own.
   void add(const std::string& command_id, std::string_view bytes);
 
-  /// The next message: the oldest text first, a command's text in one piece. Nothing when the queue is empty.
+  /// The next message: oldest text first, consecutive text of a command in one message. Nothing if the queue is empty.
   [[nodiscard]] std::optional<procman_lcm::output_t> take(std::int64_t utime);
 
   [[nodiscard]] bool empty() const { return chunks_.empty(); }

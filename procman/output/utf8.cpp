@@ -12,7 +12,7 @@ struct Character {
   std::size_t size;  // bytes to take
 };
 
-/// The character at the start of `bytes`, by the table of well-formed byte sequences (Unicode 15, table 3-7).
+/// The character at the beginning of `bytes`, by the table of well-formed byte sequences (Unicode 15, table 3-7).
 Character character(std::string_view bytes) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
   const unsigned char first = byte(0);

@@ -16,8 +16,8 @@ namespace curbstone::procman::process {
 
 namespace {
 
-/// What can be read of it. A process that ends between the opening and the reading of its file fails the latter
-/// (ESRCH), which read() notes and an iterator would throw.
+/// The readable text. If a process ends between the opening and the reading of its file, the reading fails (ESRCH);
+/// read() reports that, and an iterator would throw.
 std::string read_text(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   std::string text;
@@ -84,7 +84,7 @@ std::vector<pid_t> find_family(const std::vector<ProcessInfo>& table, pid_t lead
     const bool adopted = info.parent == self && info.pid != leader && carries_mark(info.pid, mark);
     if (info.pid == leader || info.session == leader || adopted) members.insert(info.pid);
   }
-  for (bool grown = true; grown;) {  // a child may be listed before its parent
+  for (bool grown = true; grown;) {  // repeated, because a child may be listed before its parent
     grown = false;
     for (const ProcessInfo& info : table) {
       if (members.contains(info.parent) && members.insert(info.pid).second) grown = true;

@@ -20,19 +20,19 @@ struct ProcessInfo {
   std::int64_t memory_resident = 0;  ///< bytes
 };
 
-/// Reads the text of /proc/PID/stat. A process's name may hold blanks and brackets.
+/// Parses the text of /proc/PID/stat. A process's name may contain blanks and brackets.
 [[nodiscard]] std::optional<ProcessInfo> parse_process_stat(const std::string& text);
 
-/// Nothing when there is no such process.
+/// Nothing if there is no such process.
 [[nodiscard]] std::optional<ProcessInfo> read_process(pid_t pid);
 [[nodiscard]] std::vector<ProcessInfo> read_process_table();
 
-/// The living processes of a command: its first process `leader`, all of its session, all descendants of these, and
-/// orphans that this process has adopted as a subreaper and that carry `mark` in their environment.
+/// The living processes of a command: its first process `leader`, all processes of its session, all their descendants,
+/// and orphans that this process has adopted as a subreaper and that carry `mark` in their environment.
 [[nodiscard]] std::vector<pid_t> find_family(const std::vector<ProcessInfo>& table, pid_t leader,
                                              const std::string& mark);
 
-/// The whole machine, from /proc/stat and /proc/meminfo.
+/// CPU and memory of the whole machine, from /proc/stat and /proc/meminfo.
 struct MachineInfo {
   std::int64_t cpu_ticks_total = 0;  ///< user + nice + system + idle of all cores since boot
   std::int64_t cpu_ticks_idle = 0;

@@ -29,14 +29,14 @@ Environment make_environment(const config::ExecLine& line, const std::string& ma
     const std::size_t equals = text.find('=');
     if (equals != std::string::npos) environment[text.substr(0, equals)] = text.substr(equals + 1);
   }
-  // systemd speaks to the deputy, not to its children.
+  // These variables address the deputy, not its children.
   for (const char* name : {"NOTIFY_SOCKET", "WATCHDOG_PID", "WATCHDOG_USEC"}) environment.erase(name);
   environment[kMarkVariable] = mark;
   for (const auto& [name, value] : line.environment) environment[name] = value;
   return environment;
 }
 
-/// As execvp() looks for it, in the PATH that the process will see.
+/// Finds a program as execvp() does, in the PATH of the new process.
 std::string find_program(const std::string& name, const Environment& environment) {
   if (name.find('/') != std::string::npos) return name;
   const auto path = environment.find("PATH");
@@ -63,7 +63,7 @@ FileDescriptor open_terminal(std::string& slave) {
   return master;
 }
 
-/// posix_spawn() rather than fork(): the deputy has a receiver thread, and the exec error comes back to us.
+/// posix_spawn() instead of fork(): the deputy has a receiver thread, and the exec error is returned.
 class SpawnSettings {
  public:
   explicit SpawnSettings(const std::string& terminal) {

@@ -8,7 +8,7 @@
 namespace curbstone::procman::process {
 
 namespace {
-constexpr std::int64_t kAfterKill = 2'000'000;  // us: SIGKILL works at once, unless a device driver hangs
+constexpr std::int64_t kAfterKill = 2'000'000;  // us: SIGKILL takes effect at once, unless a device driver hangs
 }
 
 StopSequence::StopSequence(Supervisor& supervisor, std::vector<std::vector<std::string>> stages)
@@ -20,7 +20,7 @@ StopSequence::StopSequence(Supervisor& supervisor, std::vector<std::vector<std::
     if (!staged.contains(state->command.id)) others.push_back(state->command.id);
   }
   if (!others.empty()) stages_.insert(stages_.begin(), others);
-  // Nothing is born again while the others are stopped.
+  // No command is respawned while the others are stopped.
   for (const CommandState* state : supervisor_.commands()) {
     if (state->pid == 0) supervisor_.want(state->command.id, false);
   }

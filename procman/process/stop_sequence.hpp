@@ -8,16 +8,17 @@
 
 namespace curbstone::procman::process {
 
-/// Stops everything, one stage after the other. A stage is stopped when all commands of the stage before have ended. So
-/// a pipeline drains from its source to its sink. The time is bounded: the supervisor kills what does not end in its
-/// time.
+/// Stops everything, stage by stage. A stage is stopped when all commands of the stage before have ended, so that a
+/// pipeline drains from its source to its sink. The time is bounded: the supervisor kills what does not end in its
+/// stop_time_allowed.
 class StopSequence {
  public:
   StopSequence(Supervisor& supervisor, std::vector<std::vector<std::string>> stages);
 
-  /// Does what is due at `now` (us). True when it is over. Commands that are in no stage are stopped first.
+  /// Does what is due at `now` (us). Returns true when all stages are done. Commands that are in no stage are stopped
+  /// first.
   bool step(std::int64_t now);
-  /// Ids of commands that did not end after SIGKILL either.
+  /// Ids of commands that did not end even after SIGKILL.
   [[nodiscard]] const std::vector<std::string>& abandoned() const { return abandoned_; }
 
  private:

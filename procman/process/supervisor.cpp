@@ -19,11 +19,11 @@ namespace curbstone::procman::process {
 
 namespace {
 
-constexpr std::size_t kReadAtMost = 65536;              // bytes a wake-up: one chatty child must not starve the rest
+constexpr std::size_t kReadAtMost = 65536;  // bytes per wake-up: a child with much output must not starve the others
 constexpr std::size_t kDrainAtMost = 16 * 1024 * 1024;  // bytes, when a command has ended
 constexpr std::int64_t kLookAgain = 50'000;             // us: while descendants outlive their leader
-constexpr std::int64_t kKillAgain = 200'000;            // us: for what was forked while we killed
-constexpr int kCannotExecute = 127 << 8;                // as a shell says it, as a raw wait status
+constexpr std::int64_t kKillAgain = 200'000;            // us: for processes that were forked during the kill
+constexpr int kCannotExecute = 127 << 8;                // a shell's status for it, as a raw wait status
 
 FileDescriptor watch_children() {
   sigset_t signals;
@@ -195,7 +195,7 @@ void Supervisor::read_output(Managed& managed, std::size_t at_most) {
       continue;
     } else if (size < 0 && errno == EAGAIN) {
       return;
-    } else {  // EIO: nobody holds the other side any more
+    } else {  // EIO: the other side is closed
       close_terminal(managed);
     }
   }
@@ -230,7 +230,7 @@ void Supervisor::reap() {
   arm_timer();
 }
 
-/// Its first process is gone: the life is over when the descendants are gone too.
+/// After the first process has ended: the life is over when its descendants have ended too.
 void Supervisor::settle(Managed& managed) {
   if (!find_family(read_process_table(), managed.process.pid, managed.mark).empty()) {
     if (!managed.state.stopping) begin_stop(managed, managed.state.command.stop_time_allowed);

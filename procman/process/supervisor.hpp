@@ -16,61 +16,61 @@
 
 namespace curbstone::procman::process {
 
-/// What the supervisor knows of one command.
+/// The supervisor's state of one command.
 struct CommandState {
-  config::Command command;  ///< as it is to be started next
-  pid_t pid = 0;            ///< 0: not running. Stays until the last descendant is gone
-  int exit_status = 0;      ///< raw, of waitpid(), of the last life; 0 while it runs
-  bool wanted = false;      ///< should be running: decides whether it is started again
+  config::Command command;  ///< as at the next start
+  pid_t pid = 0;            ///< 0: not running. Kept until the last descendant has ended
+  int exit_status = 0;      ///< raw status from waitpid(), of the last life; 0 while it runs
+  bool wanted = false;      ///< should be running: decides on a respawn
   bool stopping = false;
   bool killed = false;          ///< the last life needed SIGKILL
-  bool refused = false;         ///< the last life ended by kRefuses: it is not started again by itself
-  std::int64_t starts = 0;      ///< lives so far
+  bool refused = false;         ///< the last life ended with kRefuses: no respawn
+  std::int64_t starts = 0;      ///< number of lives so far
   std::int64_t started = 0;     ///< us of steady_clock()
   std::int64_t respawn_at = 0;  ///< us; 0: no start is pending
 };
 
-/// Exit status of a Curbstone program whose configuration or options are wrong: the next life would end alike. Commands
-/// with a heartbeat are such programs.
+/// Exit status of a Curbstone program whose configuration or options are wrong: it would fail again in the same way.
+/// Commands with a heartbeat are such programs.
 inline constexpr int kRefuses = 2;
 
 /// Starts, watches, respawns and stops processes. It owns all children of this process, which becomes a subreaper
-/// (prctl(2)). So processes that a command leaves behind are stopped too. Everything happens in the thread of the loop.
-/// Create it before any other thread, so that SIGCHLD is blocked in all of them.
+/// (prctl(2)), so that processes that a command leaves behind are stopped too. Runs in the loop's thread. Create it
+/// before any other thread, so that SIGCHLD is blocked in all of them.
 class Supervisor {
  public:
   struct Events {
-    /// Bytes as the terminal gives them.
+    /// Bytes as read from the terminal.
     std::function<void(const std::string& id, std::string_view text)> output;
     /// A command was started.
     std::function<void(const CommandState&)> started;
-    /// A command and all its descendants are gone, or could not be started. `lived` in us.
+    /// A command and all its descendants have ended, or it could not be started. `lived` in us.
     std::function<void(const CommandState&, std::int64_t lived)> ended;
   };
 
   Supervisor(EventLoop& loop, Events events);
-  /// Kills what is left.
+  /// Kills all processes that are left.
   ~Supervisor();
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
 
-  /// Registers a command, or changes it; a changed exec takes effect at the next start.
+  /// Adds a command or changes it; a changed exec takes effect at the next start.
   void set(const config::Command& command);
-  /// Forgets a command: at once when it is not running, else when it has ended.
+  /// Removes a command: at once if it is not running, else when it has ended.
   void remove(const std::string& id);
 
-  /// No effect when it is running.
+  /// No effect if it is running.
   void start(const std::string& id);
   /// Sends the stop signal to the command and its descendants, and SIGKILL when stop_time_allowed has passed.
   void stop(const std::string& id);
-  /// Stops it if it is running, and starts it once it has ended.
+  /// Stops it if it is running, and starts it when it has ended.
   void restart(const std::string& id);
-  /// The same of a command that hangs: SIGKILL follows the stop signal within kHangs at the latest.
+  /// As restart(), for a command that hangs: SIGKILL follows the stop signal within kHangs at the latest.
   void replace(const std::string& id);
   static constexpr double kHangs = 2;  ///< s
-  /// Whether it is started again when it ends, without starting or stopping it now.
+  /// Sets whether it is respawned when it ends, without starting or stopping it now.
   void want(const std::string& id, bool wanted);
-  /// SIGKILL at once to everything that is running.
+  /// Sends SIGKILL at once to everything that is running.
   void kill_all();
 
   [[nodiscard]] const CommandState* find(const std::string& id) const;
@@ -86,7 +86,7 @@ class Supervisor {
     bool leader_gone = false;  // reaped; descendants may still live
     bool remove_at_end = false;
     bool start_at_end = false;
-    std::int64_t kill_at = 0;  // us; when stopping
+    std::int64_t kill_at = 0;  // us, while stopping
   };
 
   void launch(Managed& managed);

@@ -8,7 +8,7 @@
 
 namespace curbstone::procman::process {
 
-/// A one-shot timer in an event loop. Arming it again replaces what was armed.
+/// A one-shot timer in an event loop. Arming it again replaces the earlier time.
 class Timer {
  public:
   Timer(EventLoop& loop, std::function<void()> task);
@@ -16,7 +16,7 @@ class Timer {
   Timer(const Timer&) = delete;
   Timer& operator=(const Timer&) = delete;
 
-  /// `due`: us of steady_clock(); what is past is due at once.
+  /// `due`: us of steady_clock(); a time in the past is due at once.
   void arm(std::int64_t due);
 
  private:

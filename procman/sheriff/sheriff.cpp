@@ -15,10 +15,10 @@ namespace {
 
 constexpr std::int64_t kPlayedInfo = 30'000'000;   // us
 constexpr std::int64_t kPlayedOrders = 5'000'000;  // us
-constexpr std::int64_t kSilence = 5'000'000;       // us: what somebody said before is not the present
-constexpr std::int64_t kStands = 1'000'000;        // us that a process lives before its start counts as one
+constexpr std::int64_t kSilence = 5'000'000;       // us after which a report no longer describes the present
+constexpr std::int64_t kStands = 1'000'000;        // us that a process must live before its start counts as done
 
-/// Any bytes may stand in a message's time.
+/// Age of a message, us; `utime` may have any value.
 std::int64_t age_of_message(std::int64_t utime, std::int64_t now) {
   return now - std::max<std::int64_t>(utime, 0);
 }
@@ -27,7 +27,7 @@ std::int32_t next_run(std::int32_t runid) {
   return runid <= 0 || runid == std::numeric_limits<std::int32_t>::max() ? 1 : runid + 1;
 }
 
-/// A command that is stopped on purpose often dies of the signal.
+/// Exit status 0, or the signal of an intentional stop.
 bool ended_well(int status) {
   if (!WIFSIGNALED(status)) return WEXITSTATUS(status) == 0;
   return WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM;
@@ -143,7 +143,7 @@ Progress Sheriff::progress(const std::string& id) const {
   const auto found = commands_.find(id);
   if (wish == wishes_.end() || found == commands_.end()) return Progress::kFailed;
   const procman_lcm::cmd_status_t& status = found->second.status;
-  if (wish->second.since == 0) return Progress::kUnderWay;  // no report since
+  if (wish->second.since == 0) return Progress::kUnderWay;  // no report since the request
   if (!wish->second.run) return status.pid == 0 ? Progress::kDone : Progress::kUnderWay;
   if (status.actual_runid != wish->second.runid) return Progress::kUnderWay;
   const std::int64_t stood = found->second.reported_at - wish->second.since;

@@ -20,7 +20,7 @@ namespace curbstone::procman::sheriff {
 
 namespace {
 
-constexpr std::int64_t kListen = 1'500'000;     // us: deputies and sheriffs speak once a second
+constexpr std::int64_t kListen = 1'500'000;     // us: deputies and sheriffs send once a second
 constexpr std::int64_t kClaimPeriod = 200'000;  // us
 constexpr std::int64_t kRefresh = 500'000;      // us
 constexpr std::chrono::milliseconds kTurn(50);
@@ -28,7 +28,7 @@ constexpr int kFailedStatus = 1;
 constexpr int kNoDeputyStatus = 3;
 constexpr int kConflictStatus = 4;
 
-/// As procman's sheriffs name themselves.
+/// The name in the format of procman's sheriffs.
 std::string sheriff_name(std::int64_t begun) {
   return fmt::format("{}:{}:{}", host_name(), getpid(), begun);
 }

@@ -15,27 +15,27 @@ enum class Action { kWatch, kStatus, kStart, kStop, kRestart, kRun, kTail };
 
 struct SheriffAppOptions {
   Action action = Action::kWatch;
-  std::vector<std::string> names;  ///< commands, groups, "everything"; for kRun one script
+  std::vector<std::string> names;  ///< commands, groups, "everything"; for kRun a script
   std::string config_file;         ///< for kRun
   std::string lcm_url;
-  double wait = 30;      ///< s that an order may take
-  bool observe = false;  ///< send nothing at all
+  double wait = 30;      ///< s within which an order must be done
+  bool observe = false;  ///< send nothing
 };
 
-/// A name or a script that does not exist; what() says which.
+/// A name or a script that does not exist; what() names it.
 class UnknownName : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// The process `curbstone-sheriff`. Before any order it listens for longer than a second: to what the deputies run, and
-/// whether another sheriff commands them. One thread.
+/// The process `curbstone-sheriff`. Before any order it listens for more than a second, to the deputies' reports and
+/// for another sheriff that commands them. One thread.
 class SheriffApp {
  public:
-  /// Throws std::runtime_error when the bus cannot be opened.
+  /// Throws std::runtime_error if the bus cannot be opened.
   explicit SheriffApp(SheriffAppOptions options);
-  /// Returns the exit status: 0 done, 1 an order failed or came to no end in time, 3 no deputy answers, 4 another
-  /// sheriff gives orders. Throws UnknownName.
+  /// Returns the exit status: 0 done, 1 an order failed or timed out, 3 no deputy answers, 4 another sheriff gives
+  /// orders. Throws UnknownName.
   int run();
 
  private:

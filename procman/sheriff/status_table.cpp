@@ -9,7 +9,7 @@ namespace {
 constexpr double kMegabyte = 1e6;
 constexpr std::int64_t kDeputySilence = 5'000'000;  // us: a deputy reports once a second
 
-/// What a deputy that is gone said last is not shown as the present.
+/// The last report of a deputy that is silent is not shown as the present state.
 std::string state_cell(const Known& known, std::int64_t now) {
   return now - known.reported_at > kDeputySilence ? "unknown: deputy silent" : describe(known.status);
 }

@@ -114,7 +114,7 @@ void describe_mounting(const mounting::MountingWatch& mounting, const VehicleCon
 }
 
 void describe_lone_samples(const inputs::LoneSamples& samples, std::vector<std::string>& faults) {
-  constexpr std::size_t kMany = 20;  // a minute: a jolt or two are none
+  constexpr std::size_t kMany = 20;  // per minute: a jolt or two are no fault
   if (samples.lately() < kMany) return;
   faults.push_back(fmt::format(
       "IMU: {} samples within a minute leapt away from those before and after, and are not used: plug, cable, supply?",

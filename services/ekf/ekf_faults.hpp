@@ -10,12 +10,12 @@
 #include "services/ekf/inputs/stuck_accelerometer.hpp"
 #include "services/ekf/mounting/mounting_watch.hpp"
 
-/// What is wrong with IMU and wheels, in an operator's words: each appends to `faults` what is wrong now, if anything.
+/// Faults of IMU and wheels in an operator's words: each function appends the present faults, if any, to `faults`.
 namespace curbstone::ekf {
 
 void describe_wheels(const wheel_faults::WheelWatch& watch, std::vector<std::string>& faults);
 void describe_axes(const filter::LostAxes& axes, std::vector<std::string>& faults);
-/// What the filter takes into account is no fault yet.
+/// Noise that the filter takes into account is not a fault yet.
 void describe_noise(const inputs::ImuNoise& noise, const base::NoiseConfig& configured,
                     std::vector<std::string>& faults);
 void describe_leap(const filter::Filter& filter, std::vector<std::string>& faults);

@@ -6,7 +6,7 @@ namespace curbstone::ekf {
 
 namespace {
 
-constexpr double kMaxRate = 70.0;                          // rad/s: 4000 deg/s, twice what such sensors measure
+constexpr double kMaxRate = 70.0;                          // rad/s: 4000 deg/s, twice the range of such sensors
 constexpr double kMaxAcceleration = 400.0;                 // m/s^2: 40 g, likewise
 constexpr double kMaxAngle = 1e9;                          // rad: beyond it differences lose their last digits
 constexpr std::int64_t kMaxStamp = 4'102'444'800'000'000;  // us: the year 2100

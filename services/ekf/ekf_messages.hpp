@@ -10,7 +10,7 @@
 
 namespace curbstone::ekf {
 
-/// Why a message cannot be used: "stamp", "not_finite", "absurd"; nullptr if it can.
+/// Why a message is refused: "stamp", "not_finite", "absurd"; nullptr if it is valid.
 [[nodiscard]] const char* why_refused(const imu_t& message);
 [[nodiscard]] const char* why_refused(const wheels_t& message);
 
@@ -18,7 +18,7 @@ namespace curbstone::ekf {
 [[nodiscard]] base::WheelSample sample_of(const wheels_t& message);
 
 [[nodiscard]] odometry_t odometry_message(const model::Estimate& estimate);
-/// libbot's pose: velocity, rates and acceleration turned into the local (odom) frame.
+/// libbot's pose message: velocity, rates and acceleration in the local (odom) frame.
 [[nodiscard]] pose_t pose_message(const model::Estimate& estimate);
 
 }  // namespace curbstone::ekf

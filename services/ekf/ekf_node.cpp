@@ -16,8 +16,8 @@ namespace curbstone::ekf {
 namespace {
 
 constexpr std::int64_t kStatePeriod = 100'000;  // us
-constexpr std::int64_t kSilence = 1'000'000;    // us without a message that is a fault
-constexpr int kGarbageRun = 20;                 // messages refused in a row that are a fault
+constexpr std::int64_t kSilence = 1'000'000;    // us without a message that count as a fault
+constexpr int kGarbageRun = 20;                 // consecutive refused messages that count as a fault
 constexpr std::int32_t kMaxLoss = 100'000;      // a larger step of a sequence is a restart, not a loss
 
 }  // namespace
@@ -71,7 +71,7 @@ void EkfNode::on(const imu_t& message) {
   base::ImuSample sample = sample_of(message);
   sample.utime = imu_stamps_.add(*utime, message.sequence);
   if (sample.utime != *utime) counters_.add("straightened.imu");
-  // What an axis at the end of its range measured is unknown: it is as if lost, and the wheels bridge what lasts.
+  // The true value of an axis at the end of its range is unknown: the sample counts as lost, and the wheels bridge it.
   if (message.status & imu_t::CLIPPING) return counters_.add("refused.clipping.imu");
   const std::int64_t lone_before = lone_samples_.refused();
   for (const base::ImuSample& usable : lone_samples_.add(sample)) sequencer_.push(usable);
@@ -122,8 +122,7 @@ void EkfNode::run(bool drain) {
   }
 }
 
-/// Of an IMU whose accelerometer does not measure gravity nothing is used; a gyro that does not measure turns is
-/// marked.
+/// Drops samples of an IMU whose accelerometer does not measure gravity; marks a gyro that does not measure turns.
 std::optional<inputs::Sequencer::Sample> EkfNode::usable_of(const inputs::Sequencer::Sample& sample) {
   const auto* measured = std::get_if<base::ImuSample>(&sample);
   if (measured == nullptr) return sample;

@@ -22,13 +22,14 @@
 
 namespace curbstone::ekf {
 
-/// IMU and WHEELS in, ODOMETRY and POSE out: one of each for every IMU sample, at its stamp (a late one is put right,
-/// see StampStraightener; of a clock that was set, it is that of the new clock, see RunningClock); while there is no
-/// IMU, for every wheel sample. With `fuse_map`, MAP_POSE in as well. Products are a function of the channels'
-/// sequences (see Sequencer) as long as none lags by more than its hold; what comes later still counts (see
-/// RewindingFilter). tick() only notices silence, for the faults, and sends ODOMETRY again that somebody lost. Latency
-/// is in message time: how far the sensors are ahead when an estimate is sent. With `state_file` it has what it
-/// believes saved (tick), and goes on from there when it was killed.
+/// Subscribes to IMU and WHEELS (with `fuse_map` also MAP_POSE) and publishes ODOMETRY and POSE: one of each for every
+/// IMU sample, at its stamp; while there is no IMU, for every wheel sample. Late IMU stamps are straightened
+/// (StampStraightener), and after the host's clock was set the stamp is that of the new clock (RunningClock).
+///
+/// The output is a function of the channels' sequences (Sequencer) as long as none lags by more than its hold; a later
+/// sample still counts (RewindingFilter). tick() only detects silence, for the faults, and resends ODOMETRY that a
+/// subscriber lost. Latency is in message time: how far the sensors are ahead when an estimate is published. With
+/// `state_file` tick() has the belief saved, and a process that replaces a killed one continues from it.
 class EkfNode final : public Node {
  public:
   EkfNode(const base::EkfConfig& config, Publisher& publisher);
@@ -46,7 +47,7 @@ class EkfNode final : public Node {
  private:
   struct Input {
     const char* name;
-    std::int64_t heard = 0;                // us: the newest stamp
+    std::int64_t heard = 0;                // us, newest stamp
     std::optional<std::int32_t> sequence;  // of the newest message
     int refused_in_a_row = 0;
   };

@@ -7,7 +7,7 @@
 
 namespace curbstone::encoder::can {
 
-/// One classical CAN frame, wherever it came from.
+/// One classical CAN frame from any source.
 struct CanFrame {
   std::uint32_t id = 0;  ///< 11 bits, or 29 if `extended`; no flag bits
   bool extended = false;

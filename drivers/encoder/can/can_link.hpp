@@ -10,20 +10,20 @@
 
 namespace curbstone::encoder::can {
 
-/// A way to a CAN bus. It recovers by itself when the adapter or interface vanishes and comes back. Frames get their
-/// time of receipt here, us since the Unix epoch. One thread, that of the event loop.
+/// Interface of a link to a CAN bus. It recovers by itself when the adapter or interface vanishes and comes back. The
+/// link stamps frames with their time of receipt, us since the Unix epoch. One thread, that of the event loop.
 class CanLink {
  public:
   struct Handlers {
     std::function<void(std::int64_t receive_utime, const CanFrame&)> on_frame;
-    /// `up`: frames can be sent from this time on. Otherwise they cannot, and `why` says so in a line.
+    /// `up`: frames can be sent from now on. Otherwise they cannot, and `why` gives the reason in one line.
     std::function<void(std::int64_t now, bool up, const std::string& why)> on_link;
-    /// A line or a frame was refused; `cause` as the counter has it.
+    /// A line or a frame was refused; `cause` is the counter's name.
     std::function<void(std::int64_t now, const char* cause)> on_refused = [](std::int64_t, const char*) {};
   };
 
   virtual ~CanLink() = default;
-  /// Begins to read. The loop must not run after this object's end.
+  /// Begins to read. The loop must not run after this object is destroyed.
   virtual void attach(EventLoop& loop, Handlers handlers) = 0;
   /// A frame is lost, and counted, while the link is down.
   virtual void send(const CanFrame& frame) = 0;

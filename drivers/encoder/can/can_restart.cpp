@@ -19,7 +19,7 @@ namespace curbstone::encoder::can {
 
 namespace {
 
-/// A request as the kernel wants it: attributes within attributes.
+/// A request in the kernel's format: attributes within attributes.
 class LinkRequest {
  public:
   explicit LinkRequest(int index) {
@@ -48,10 +48,10 @@ class LinkRequest {
 
  private:
   nlmsghdr& header() { return *reinterpret_cast<nlmsghdr*>(bytes_.data()); }
-  alignas(nlmsghdr) std::array<char, 128> bytes_{};  // what is added here is less than 100 bytes
+  alignas(nlmsghdr) std::array<char, 128> bytes_{};  // the attributes added here take less than 100 bytes
 };
 
-/// 0, or the error.
+/// Returns 0, or the error.
 int ask(int fd, LinkRequest& request) {
   if (send(fd, request.data(), request.size(), 0) < 0) return errno;
   alignas(nlmsghdr) std::array<char, 1024> answer{};

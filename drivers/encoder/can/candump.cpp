@@ -26,7 +26,7 @@ std::optional<std::int64_t> parse_stamp(std::string_view text) {
   return *seconds * 1'000'000 + *micros;
 }
 
-/// "202##1AABB": flags, data; "20000088#00": an error, which bit 29 tells
+/// "202##1AABB": flags, data; "20000088#00": an error, marked by bit 29
 bool is_other(std::string_view text) {
   constexpr std::uint32_t kError = 0x20000000;
   constexpr std::size_t kMostData = 64;
@@ -75,7 +75,7 @@ std::optional<CanFrame> parse_frame(std::string_view text) {
   return frame;
 }
 
-/// Cuts the first word off.
+/// Removes and returns the first word.
 std::string_view next_word(std::string_view& text) {
   const std::size_t begin = text.find_first_not_of(" \t\r\n");
   if (begin == std::string_view::npos) return text = {};
@@ -92,7 +92,7 @@ std::optional<CandumpLine> parse_candump_line(std::string_view line) {
   const std::string_view interface = next_word(line);
   const std::string_view frame_text = next_word(line);
   if (stamp.size() < 3 || stamp.front() != '(' || stamp.back() != ')' || interface.empty()) return {};
-  const std::string_view direction = next_word(line);  // newer candump adds T or R
+  const std::string_view direction = next_word(line);  // newer versions of candump add T or R
   if (!direction.empty() && direction != "T" && direction != "R") return {};
   const auto utime = parse_stamp(stamp.substr(1, stamp.size() - 2));
   if (!utime) return {};

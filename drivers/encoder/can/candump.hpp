@@ -17,7 +17,7 @@ struct CandumpLine {
   bool other = false;  ///< an error frame, or CAN FD ("##"): `frame` is empty
 };
 
-/// Empty for whatever is no line of a log: headings, broken lines.
+/// Parses a line. Empty for anything that is not a line of a log: headings, broken lines.
 [[nodiscard]] std::optional<CandumpLine> parse_candump_line(std::string_view line);
 
 }  // namespace curbstone::encoder::can

@@ -11,7 +11,7 @@ namespace curbstone::encoder::can {
 inline constexpr std::uint32_t kMaxStandardId = 0x7FF;
 inline constexpr std::uint32_t kMaxExtendedId = 0x1FFFFFFF;
 
-/// All of `text` as a hexadecimal number of at most 8 digits; empty if it is none.
+/// Parses all of `text` as a hexadecimal number of at most 8 digits; empty if it is not one.
 [[nodiscard]] inline std::optional<std::uint32_t> parse_hex(std::string_view text) {
   std::uint32_t value = 0;
   if (text.empty() || text.size() > 8) return {};
@@ -20,7 +20,7 @@ inline constexpr std::uint32_t kMaxExtendedId = 0x1FFFFFFF;
   return value;
 }
 
-/// Two digits a byte into the front of `bytes`; false if the text is anything else.
+/// Parses two digits per byte into the front of `bytes`; false if the text is anything else.
 [[nodiscard]] inline bool parse_hex_bytes(std::string_view text, std::span<std::uint8_t> bytes) {
   if (text.size() % 2 != 0 || text.size() / 2 > bytes.size()) return false;
   for (std::size_t i = 0; i < text.size() / 2; ++i) {

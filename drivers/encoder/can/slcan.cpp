@@ -59,7 +59,7 @@ void SlcanParser::parse(std::span<const std::uint8_t> bytes, const Handlers& han
       overlong_ = false;
       if (handlers.on_answer) handlers.on_answer(Answer::kRefused);
     } else {
-      if (line_.size() == kMaxLine) {  // no frame is half as long: its end may still be one
+      if (line_.size() == kMaxLine) {  // no frame is half as long: the end of the line may still be one
         line_.erase(0, kMaxLine / 2);
         overlong_ = true;
       }
@@ -69,7 +69,7 @@ void SlcanParser::parse(std::span<const std::uint8_t> bytes, const Handlers& han
 }
 
 void SlcanParser::on_line(const Handlers& handlers) {
-  // "z" and "Z" say that a frame was sent; V and N answer questions that somebody else asked.
+  // "z" and "Z" confirm that a frame was sent; V and N answer requests that this program does not send.
   if (line_.empty() || line_ == "z" || line_ == "Z") {
     if (handlers.on_answer) handlers.on_answer(Answer::kOk);
     return;

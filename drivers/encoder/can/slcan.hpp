@@ -14,8 +14,8 @@
 namespace curbstone::encoder::can {
 
 // SLCAN, Lawicel's ASCII protocol (CANUSB manual): lines that end with CR. "t1812AABB" is a data frame with an 11-bit
-// id (T: 29 bits), "r"/"R" a remote request. An adapter answers a command by CR, or refuses it by BELL. "F" asks for
-// its error flags, and clears them: the answer is "F" and two digits.
+// id (T: 29 bits), "r"/"R" a remote request. An adapter answers a command with CR, or refuses it with BELL. "F" reads
+// and clears its error flags: the answer is "F" and two digits.
 
 /// The bits of the answer to "F" (those of the SJA1000 controller).
 enum SlcanFlag : std::uint8_t {
@@ -24,17 +24,17 @@ enum SlcanFlag : std::uint8_t {
   kErrorWarning = 0x04,
   kDataOverrun = 0x08,
   kErrorPassive = 0x20,
-  kArbitrationLost = 0x40,  ///< no error: others were first
+  kArbitrationLost = 0x40,  ///< no error: other nodes had priority
   kBusError = 0x80,
 };
 
-/// The frame of one line, without its CR. Four more digits, a time stamp, are ignored. Empty if the line is no frame.
+/// Parses a line without its CR. Four more digits, a time stamp, are ignored. Empty if the line is not a frame.
 [[nodiscard]] std::optional<CanFrame> parse_slcan_frame(std::string_view line);
 [[nodiscard]] std::vector<std::uint8_t> encode_slcan(const CanFrame& frame);
 
-/// Cuts the adapter's byte stream into frames and answers. The protocol has no checksum: a line that is not exactly a
-/// frame is refused. A whole frame at the end of a damaged line is still read, for its first letter is no hexadecimal
-/// digit. Holds at most kMaxLine bytes. Pure.
+/// Splits the adapter's byte stream into frames and answers. The protocol has no checksum: a line that is not exactly a
+/// frame is refused. A complete frame at the end of a damaged line is still read, because its first letter is not a
+/// hexadecimal digit. Holds at most kMaxLine bytes. Pure.
 ///
 /// Counts: slcan.frames, refused.slcan_line (malformed), refused.slcan_overlong.
 class SlcanParser {
@@ -44,7 +44,7 @@ class SlcanParser {
     std::function<void(const CanFrame&)> on_frame;
     std::function<void(Answer)> on_answer;
     std::function<void(std::uint8_t)> on_flags = {};         ///< the answer to "F"
-    std::function<void(const char* cause)> on_refused = {};  ///< as the counter has it
+    std::function<void(const char* cause)> on_refused = {};  ///< the counter's name
   };
   static constexpr std::size_t kMaxLine = 64;
 

@@ -10,9 +10,9 @@ namespace curbstone::encoder::can {
 
 namespace {
 
-constexpr std::int64_t kCloseTime = 100'000;   // us; answers to what was pending look like those to ours
+constexpr std::int64_t kCloseTime = 100'000;   // us, in which answers to earlier commands arrive; they look the same
 constexpr std::int64_t kAnswerTime = 300'000;  // us; some adapters never answer
-constexpr std::int64_t kSilence = 2'000'000;   // us; a bus with a drive is never silent, and one that is off always
+constexpr std::int64_t kSilence = 2'000'000;   // us; a bus with a drive is never silent, and one in bus-off always is
 constexpr std::int64_t kRetryPeriod = 1'000'000;
 constexpr int kMaxRefused = 5;
 constexpr std::int64_t kFlagsPeriod = 1'000'000;      // us
@@ -22,7 +22,7 @@ constexpr int kMaxUnknownFlags = 3;
 struct FlagName {
   SlcanFlag flag;
   const char* counter;
-  const char* words;  // none: it is no error
+  const char* words;  // null: it is not an error
 };
 constexpr std::array<FlagName, 7> kFlagNames = {{{kBusError, "slcan.bus_error", "bus error"},
                                                  {kErrorPassive, "slcan.error_passive", "error passive"},
@@ -56,7 +56,7 @@ void SlcanChannel::start(std::int64_t now) {
   counters_.add("slcan.openings");
   parser_.reset();
   refused_in_a_row_ = 0;
-  enter(State::kClosing, now, "\r\rC\r");  // empty lines end what somebody left half-typed
+  enter(State::kClosing, now, "\r\rC\r");  // empty lines end a command that another program left incomplete
 }
 
 void SlcanChannel::on_bytes(std::int64_t receive_utime, std::span<const std::uint8_t> bytes) {
@@ -76,7 +76,7 @@ void SlcanChannel::on_bytes(std::int64_t receive_utime, std::span<const std::uin
 }
 
 void SlcanChannel::on_answer(std::int64_t now, SlcanParser::Answer answer) {
-  if (state_ == State::kOpen && unanswered_ == 0) return;  // to nothing that we sent: noise
+  if (state_ == State::kOpen && unanswered_ == 0) return;  // answers nothing that was sent: noise
   unanswered_ = 0;
   last_answer_ = now;
   const bool ok = answer == SlcanParser::Answer::kOk;
@@ -97,7 +97,7 @@ void SlcanChannel::on_answer(std::int64_t now, SlcanParser::Answer answer) {
       }
       break;
     case State::kOpen:
-      if (refused_in_a_row_ >= kMaxRefused) start(now);  // it was closed behind our back
+      if (refused_in_a_row_ >= kMaxRefused) start(now);  // another program has closed it
       break;
     default:
       break;
@@ -134,7 +134,7 @@ void SlcanChannel::tick(std::int64_t now) {
       if (elapsed >= kAnswerTime) enter(State::kOpening, now, "O\r");
       break;
     case State::kOpening:
-      if (elapsed >= kAnswerTime) open(now);  // on trust; silence will tell
+      if (elapsed >= kAnswerTime) open(now);  // assumed to be open; a silence will show if it is not
       break;
     case State::kOpen:
       if (now - last_frame_ < kSilence) {

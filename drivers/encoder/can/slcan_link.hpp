@@ -9,8 +9,8 @@ namespace curbstone::encoder::can {
 /// A CAN bus behind a serial SLCAN adapter.
 class SlcanLink final : public CanLink {
  public:
-  /// `bitrate` kbit/s of the bus. A port that is missing is waited for. Throws std::runtime_error,
-  /// with one clear line, for a bit rate or a file that cannot be meant.
+  /// `bitrate` in kbit/s of the bus. Waits for a port that is missing. Throws std::runtime_error with a one-line
+  /// message for a bit rate or a file that is invalid.
   SlcanLink(const serial::SerialSettings& serial, int bitrate);
 
   void attach(EventLoop& loop, Handlers handlers) override;

@@ -59,7 +59,7 @@ can_frame to_kernel(const CanFrame& frame) {
   return raw;
 }
 
-/// When the kernel took the frame from its driver; 0 if it does not say.
+/// Time at which the kernel got the frame from its driver; 0 if there is none.
 std::int64_t kernel_stamp(msghdr& message) {
   for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
     if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SCM_TIMESTAMP) continue;

@@ -13,17 +13,17 @@
 
 namespace curbstone::encoder::can {
 
-/// This kernel has no CAN, or the name can be no interface's: only the config mends that.
+/// This kernel has no CAN, or the name is not valid for an interface: only the config can fix that.
 class NoSocketCan : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// A raw SocketCAN socket (Linux Documentation/networking/can.rst). It receives exactly the given ids (bit 31 marks one
-/// of 29 bits) and the bus's error frames. Non-blocking. Move-only; closes at its end.
+/// A raw SocketCAN socket (Linux Documentation/networking/can.rst). Receives exactly the given ids (bit 31 marks a
+/// 29-bit id) and the bus's error frames. Non-blocking. Move-only; closed by the destructor.
 class CanSocket {
  public:
-  /// Throws with one clear line: NoSocketCan, or std::runtime_error (no such interface, it is down, no permission).
+  /// Throws with a one-line message: NoSocketCan, or std::runtime_error (no such interface, it is down, no permission).
   CanSocket(const std::string& interface, const std::vector<std::uint32_t>& ids);
   ~CanSocket();
   CanSocket(CanSocket&& other) noexcept;
@@ -33,11 +33,11 @@ class CanSocket {
   struct Read {
     Status status = Status::kNothing;
     CanFrame frame;
-    std::int64_t utime = 0;        ///< us, by the kernel, when the frame was received
+    std::int64_t utime = 0;        ///< us, kernel time of receipt
     std::uint32_t error_bits = 0;  ///< of an error frame: CAN_ERR_*
   };
   [[nodiscard]] Read read();
-  /// False if the kernel has no room for it, or the interface is down.
+  /// Returns false if the kernel has no room for it, or the interface is down.
   bool write(const CanFrame& frame);
   [[nodiscard]] int fd() const { return fd_; }
 
@@ -46,16 +46,15 @@ class CanSocket {
   int fd_ = -1;
 };
 
-/// A CAN interface of the kernel (can0). Bus-off, and an interface that goes down or away, are faults and counted. A
-/// bus-off is ended by restarting the interface, after 0.1 s, then with waits that grow to 2 s until a frame comes. The
-/// link tries to open it again, with waits that grow from 0.1 s to 2 s.
+/// A CAN interface of the kernel (can0). Bus-off, and an interface that goes down or disappears, are faults and
+/// counted. After a bus-off the link restarts the interface, first after 0.1 s, then with a back-off of up to 2 s until
+/// a frame is received. It reopens a lost interface with a back-off from 0.1 s to 2 s.
 ///
 /// Counts: can.frames, can.errors, can.bus_off, can.restarts, can.restart_failed, can.send_failed, refused.can_frame.
 class SocketCanLink final : public CanLink {
  public:
-  /// An interface that is missing or down is waited for. Throws NoSocketCan, with one clear line, for what no waiting
-  /// mends.
-  /// `restart` returns why it failed.
+  /// Waits for an interface that is missing or down. Throws NoSocketCan with a one-line message for what waiting does
+  /// not fix. `restart` returns the reason of a failure.
   using Restart = std::function<std::string(const std::string& interface)>;
   SocketCanLink(std::string interface, std::vector<std::uint32_t> ids, Restart restart = restart_can);
 
@@ -76,12 +75,12 @@ class SocketCanLink final : public CanLink {
   std::optional<CanSocket> socket_;
   EventLoop* loop_ = nullptr;
   Handlers handlers_;
-  std::string why_;  // there is no socket
+  std::string why_;  // reason why there is no socket
   RetryPause retry_;
   Restart restart_;
   bool bus_off_ = false;
   std::int64_t restart_at_ = 0;     // us, steady clock
-  std::int64_t restart_after_ = 0;  // us; 0: a frame has come since the last bus-off
+  std::int64_t restart_after_ = 0;  // us; 0: a frame was received since the latest bus-off
   std::string restart_failed_;
   Counters counters_;
 };

@@ -27,7 +27,7 @@ enum class NmtCommand : std::uint8_t {
 };
 enum class NmtState : std::uint8_t { kBootUp = 0x00, kStopped = 0x04, kOperational = 0x05, kPreOperational = 0x7F };
 
-/// First byte of an SDO that carries all of its data at once.
+/// First byte of an expedited SDO.
 enum class SdoCommand : std::uint8_t {
   kRead = 0x40,
   kReadReply4 = 0x43,
@@ -49,14 +49,14 @@ inline constexpr std::uint32_t kAbortNoSubIndex = 0x06090011;
 inline constexpr std::uint32_t kAbortLength = 0x06070010;
 inline constexpr std::uint32_t kAbortUnknownCommand = 0x05040001;
 
-/// Which entry of the object dictionary: index and sub-index.
+/// An entry of the object dictionary: index and sub-index.
 struct Object {
   std::uint16_t index = 0;
   std::uint8_t sub = 0;
   auto operator<=>(const Object&) const = default;
 };
 
-/// How a PDO's mapping names an object of `bits` bits.
+/// An object of `bits` bits as encoded in a PDO's mapping.
 [[nodiscard]] constexpr std::uint32_t mapping(Object object, std::uint8_t bits) {
   return std::uint32_t{object.index} << 16 | std::uint32_t{object.sub} << 8 | bits;
 }

@@ -11,7 +11,7 @@ using canopen::SdoCommand;
 
 namespace {
 
-/// Bytes of an expedited read reply; 0 for everything else.
+/// Number of data bytes of an expedited read reply; 0 for everything else.
 int reply_size(SdoCommand command) {
   switch (command) {
     case SdoCommand::kReadReply1:

@@ -28,7 +28,7 @@ constexpr std::int64_t kPollPeriod = 1'000'000;        // us, of the fault word
 constexpr std::int64_t kSetUpRetryPeriod = 1'000'000;  // us, after a set-up that failed
 
 constexpr std::int64_t kOldFaults = 5'000'000;          // us, of the fault word: five polls
-constexpr std::int64_t kHeartbeatPatience = 3'000'000;  // us: three of the slowest that are usual
+constexpr std::int64_t kHeartbeatPatience = 3'000'000;  // us: three periods of the slowest usual heartbeat
 
 /// CiA 402 "fault" or "fault reaction", or the drive's own alarm bit.
 bool in_alarm(std::uint16_t word) {
@@ -97,8 +97,8 @@ std::vector<std::string> WheelDrive::faults() const {
   return faults;
 }
 
-/// While driving, a change is sent at most every inhibit time; standing, every event timer: both are the period, so
-/// that the positions come evenly.
+/// While driving, a change is sent at most every inhibit time; at standstill, every event timer. Both are set to the
+/// period, so that the positions are evenly spaced.
 std::vector<WheelDrive::Write> WheelDrive::setup_sequence() const {
   std::vector<Write> writes;
   const auto map_pdo = [&](std::uint16_t communication, std::int64_t period, Object first, Object second) {
@@ -123,7 +123,7 @@ void WheelDrive::start(std::int64_t now) {
   restart(now);
 }
 
-/// What an EMCY said stays: only the drive takes it back.
+/// The latest EMCY is kept: only the drive takes it back.
 void WheelDrive::restart(std::int64_t now) {
   sdo_.cancel();
   status_.word_utime = status_.faults_utime = 0;
@@ -213,7 +213,7 @@ void WheelDrive::on_heartbeat(std::int64_t now, const can::CanFrame& frame) {
   const auto state = static_cast<NmtState>(frame.data[0] & 0x7F);
   last_heartbeat_ = now;
   nmt_state_ = state;
-  if (state == NmtState::kBootUp) {  // all that we had set up is lost
+  if (state == NmtState::kBootUp) {  // the set-up is lost
     counters_.add("drive.boots");
     boots_.add(now);
     handlers_.on_restart();
@@ -231,12 +231,13 @@ void WheelDrive::on_emergency(const can::CanFrame& frame) {
   status_.emergency = read_little_endian<std::uint16_t>(frame.bytes());
   status_.error_register = status_.emergency != 0 ? frame.data[2] : std::uint8_t{0};
   if (status_.emergency != 0) counters_.add("drive.emergencies");
-  poll_now_ = true;  // the message tells that something is wrong, the fault word what
+  poll_now_ = true;  // the message says that there is a fault, the fault word says which
 }
 
 void WheelDrive::tick(std::int64_t now) {
   if (state_ == State::kIdle) return start(now);
-  // Who has slept has not heard the drive either: what it sent waits to be read, and comes before the next tick.
+  // A process that was suspended has not read the drive's frames either: they are waiting, and are read before the next
+  // tick.
   const bool slept = now - std::exchange(last_tick_, now) > settings_.patience / 2;
   sdo_.tick(now);
   if (state_ == State::kFailed && now - since_ >= kSetUpRetryPeriod) restart(now);
@@ -250,7 +251,7 @@ void WheelDrive::tick(std::int64_t now) {
 }
 
 void WheelDrive::poll(std::int64_t now) {
-  if (!settings_.configure || sdo_.busy()) return;  // a listener asks nothing: the SDO channel is the other master's
+  if (!settings_.configure || sdo_.busy()) return;  // a listener leaves the SDO channel to the other master
   using Status = SdoClient::Result::Status;
   if (!encoder_lines_) {
     sdo_.read(now, kEncoderLines, [this](std::int64_t, const SdoClient::Result& result) {

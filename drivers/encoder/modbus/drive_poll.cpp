@@ -98,7 +98,7 @@ void DrivePoll::refuse(const Reply& reply) {
 
 void DrivePoll::poll(const std::function<void(const Reading&)>& on_reading) {
   if (!in_step_) {
-    in_step_ = true;  // an error makes it false again
+    in_step_ = true;  // an error resets it
     read_status(kStatusHallTemperature);
     gap_();
   }

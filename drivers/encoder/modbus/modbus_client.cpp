@@ -16,9 +16,9 @@ namespace curbstone::encoder::modbus {
 namespace {
 
 constexpr std::int64_t kByteTimeout = 20'000;  // us, between two bytes of a reply
-constexpr int kQuiet = 10;                     // ms without a byte: what was late has come
+constexpr int kQuiet = 10;                     // ms without a byte, after which late bytes have arrived
 
-/// A USB adapter may hold bytes back for 16 ms to send them together. Not every port can be asked not to.
+/// A USB adapter may hold bytes back for 16 ms to send them together. Not every port supports the request.
 void ask_for_low_latency(int fd) {
   serial_struct serial{};
   if (ioctl(fd, TIOCGSERIAL, &serial) != 0) return;
@@ -48,7 +48,7 @@ Outcome outcome_of(int error) {
 
 void ModbusClient::Free::operator()(_modbus* context) const {
   const int fd = modbus_get_socket(context);
-  if (fd >= 0) tcflush(fd, TCIOFLUSH);  // or the close of a stuck port would wait for what was not sent
+  if (fd >= 0) tcflush(fd, TCIOFLUSH);  // otherwise closing a stuck port would wait for unsent bytes
   modbus_close(context);
   modbus_free(context);
 }
@@ -97,7 +97,7 @@ int ModbusClient::waiting_bytes() const {
   return ioctl(modbus_get_socket(context_.get()), FIONREAD, &bytes) == 0 ? bytes : 0;
 }
 
-/// Throws bytes away until the line is quiet.
+/// Discards bytes until the line is quiet.
 void ModbusClient::drain() {
   const std::int64_t end = steady_clock() + settings_.timeout;
   do {

@@ -22,9 +22,9 @@ namespace {
 constexpr std::int64_t kFirstRetry = 100'000;  // us
 constexpr std::int64_t kLastRetry = 1'000'000;
 constexpr std::int64_t kGap = 2'000;  // us between two requests: 3.5 characters, at least 1.75 ms
-constexpr std::array<int, 5> kBauds = {9600, 19200, 38400, 57600, 115200};  // of the drive, and of libmodbus
+constexpr std::array<int, 5> kBauds = {9600, 19200, 38400, 57600, 115200};  // supported by the drive and libmodbus
 
-/// Throws for what libmodbus would only notice when it opens the port, or never.
+/// Throws for settings that libmodbus would only reject when it opens the port, or never.
 void check(const ModbusSettings& settings) {
   in_addr address{};
   if (settings.tcp && inet_pton(AF_INET, settings.host.c_str(), &address) != 1)
@@ -72,7 +72,7 @@ void ModbusLink::run(const std::stop_token& stop) {
       poll_.tick(steady_clock());
       poll_.poll([this](const Reading& reading) { tell({reading, true, {}}); });
       share_report();
-      due = std::max(due + period_, steady_clock() + kGap);  // late once, not a burst
+      due = std::max(due + period_, steady_clock() + kGap);  // after a delay no burst of polls
       if (!sleep_until(due, stop)) break;
     }
     client_.close();
@@ -80,7 +80,7 @@ void ModbusLink::run(const std::stop_token& stop) {
   }
 }
 
-/// Tries until it is open; false if the thread is to end.
+/// Retries until it is open; false if the thread is to end.
 bool ModbusLink::open(const std::stop_token& stop) {
   for (std::int64_t wait = kFirstRetry; !stop.stop_requested(); wait = std::min(2 * wait, kLastRetry)) {
     const std::string why = client_.open();

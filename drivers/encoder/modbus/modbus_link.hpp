@@ -17,35 +17,35 @@
 
 namespace curbstone::encoder::modbus {
 
-/// Polls a drive from a thread of its own, for libmodbus waits for each reply. Readings come to the event loop's thread
-/// by a bounded queue and an eventfd, so the loop never waits for the bus. Opens the port, and again when it is gone or
-/// nothing useful comes, with waits that grow from 0.1 s to 1 s. A port that is not there at the start is a fault like
-/// one that goes later. The destructor ends the thread, within about three timeouts.
+/// Polls a drive in a thread of its own, because libmodbus blocks until each reply. Readings reach the event loop's
+/// thread by a bounded queue and an eventfd, so the loop never waits for the bus. Opens the port, and reopens it when
+/// it has vanished or nothing useful is received, with a back-off from 0.1 s to 1 s. A port that is missing at the
+/// start is a fault like one that vanishes later. The destructor ends the thread within about three time-outs.
 ///
-/// Counts: those of DrivePoll, modbus.openings, dropped.queue (the loop did not take readings in time).
+/// Counts: those of DrivePoll, modbus.openings, dropped.queue (readings that the loop did not take in time).
 class ModbusLink {
  public:
   struct Handlers {
     std::function<void(const Reading&)> on_reading;
-    /// `why`, when it is not up, is one line for people.
+    /// `why`, if the link is not up, is one line for the operator.
     std::function<void(bool up, const std::string& why)> on_link;
   };
   static constexpr std::size_t kMaxQueue = 200;  ///< readings: four seconds
 
-  /// `rate` Hz of the polls. Throws std::runtime_error with one clear line if libmodbus cannot use the settings.
+  /// `rate` of the polls in Hz. Throws std::runtime_error with a one-line message if libmodbus cannot use the settings.
   ModbusLink(const ModbusSettings& settings, double rate);
   ~ModbusLink();
   ModbusLink(const ModbusLink&) = delete;
   ModbusLink& operator=(const ModbusLink&) = delete;
 
-  /// Begins to poll. The loop must not run after this object's end.
+  /// Begins to poll. The loop must not run after this object is destroyed.
   void attach(EventLoop& loop, Handlers handlers);
   /// Adds counters and faults.
   void report(NodeReport& report) const;
 
  private:
   struct Event {
-    std::optional<Reading> reading;  // or the link has changed:
+    std::optional<Reading> reading;  // if empty, the link has changed:
     bool up = false;
     std::string why;
   };
@@ -62,12 +62,12 @@ class ModbusLink {
   Handlers handlers_;
   int event_fd_ = -1;
 
-  // The thread's own:
+  // Used by the thread only:
   ModbusClient client_;
   DrivePoll poll_;
   std::int64_t openings_ = 0;
 
-  // Of both threads:
+  // Shared by both threads:
   mutable std::mutex mutex_;
   std::condition_variable_any wake_;
   std::deque<Event> queue_;
@@ -76,7 +76,7 @@ class ModbusLink {
   std::string fault_;
   std::optional<std::string> share_fault_;
 
-  std::jthread thread_;  // last: it ends before what it uses
+  std::jthread thread_;  // declared last: it ends before the members that it uses
 };
 
 }  // namespace curbstone::encoder::modbus

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kBits = 64;
 
-/// Takes a signal's text apart from the left.
+/// Parses a signal's text from the left.
 class Text {
  public:
   explicit Text(std::string_view text) : text_(text), rest_(text) {}
@@ -52,7 +52,7 @@ class Text {
   std::string_view text_, rest_;
 };
 
-/// From the front of the frame: bit 7 of byte 0 is 0, its bit 0 is 7.
+/// Bit number counted from the front of the frame: bit 7 of byte 0 is 0, its bit 0 is 7.
 int from_front(int bit) {
   return bit / 8 * 8 + 7 - bit % 8;
 }
@@ -68,7 +68,7 @@ std::uint64_t bits_of(const CanSignal& signal) {
   return bits;
 }
 
-/// One past the last bit, counted so that eight are a byte.
+/// One past the last bit, in a numbering with eight consecutive bits per byte.
 int end_bit(const CanSignal& signal) {
   return (signal.big_endian ? from_front(signal.start) : signal.start) + signal.length;
 }
@@ -120,7 +120,7 @@ std::optional<std::int64_t> CanSignal::raw(const can::CanFrame& frame) const {
   if (frame.remote || 8 * frame.size < end_bit(*this)) return {};
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < 8; ++i) bits = bits << 8 | frame.data[big_endian ? i : 7 - i];
-  // Up to the left end, which cuts off what is above, and down to the right one.
+  // Shift up to the left end, which cuts off the bits above, then down to the right end.
   const int above = big_endian ? from_front(start) : kBits - start - length;
   bits <<= above;
   const int below = kBits - length;

@@ -8,9 +8,10 @@
 
 namespace curbstone::encoder::signals {
 
-/// Where a number is in a CAN frame. Bits are numbered as in a DBC file, for both byte orders: bit 8 * byte + k, k = 0
-/// the least. A little-endian (Intel) signal starts at its least bit. A big-endian (Motorola) one starts at its
-/// greatest, goes down inside the byte, and on at bit 7 of the next.
+/// Position and scale of a number in a CAN frame. Bits are numbered as in a DBC file, for both byte orders: bit 8 *
+/// byte + k, where k = 0 is the least significant. A little-endian (Intel) signal starts at its least significant bit.
+/// A big-endian (Motorola) signal starts at its most significant bit, goes down within the byte, and continues at bit 7
+/// of the next.
 struct CanSignal {
   std::uint32_t id = 0;
   bool extended = false;  ///< the id has 29 bits
@@ -21,16 +22,16 @@ struct CanSignal {
   double factor = 1;      ///< value = raw * factor + offset
   double offset = 0;
 
-  /// "ID START|LENGTH@ORDER SIGN (FACTOR,OFFSET)", as "181 0|32@1- (1,0)": the id in hexadecimal (8 digits: 29 bits),
-  /// order 1 little-endian, 0 big-endian, sign - or +. (FACTOR,OFFSET) may be left out. Throws std::runtime_error, with
-  /// one clear line, for anything else and for a signal that does not fit into 8 bytes.
+  /// Parses "ID START|LENGTH@ORDER SIGN (FACTOR,OFFSET)", such as "181 0|32@1- (1,0)": the id in hexadecimal (8 digits:
+  /// 29 bits), order 1 little-endian, 0 big-endian, sign - or +. (FACTOR,OFFSET) is optional. Throws std::runtime_error
+  /// with a one-line message for anything else and for a signal that does not fit into 8 bytes.
   [[nodiscard]] static CanSignal parse(std::string_view text);
 
   [[nodiscard]] bool is_in(const can::CanFrame& frame) const { return frame.id == id && frame.extended == extended; }
-  /// Extended to 64 bits by its sign; nothing if the frame is too short, or remote. The frame must be the signal's.
+  /// Sign-extended to 64 bits; nothing if the frame is too short or remote. The frame must have the signal's id.
   [[nodiscard]] std::optional<std::int64_t> raw(const can::CanFrame& frame) const;
   [[nodiscard]] double value(std::int64_t raw) const;
-  /// Whether a bit of the same frame belongs to both.
+  /// Whether both signals share a bit of the same frame.
   [[nodiscard]] bool overlaps(const CanSignal& other) const;
 };
 

@@ -33,7 +33,7 @@ std::optional<WheelSignals::Values> WheelSignals::on_frame(std::int64_t time, co
   return values;
 }
 
-/// A wheel's frame that comes twice in a row tells nothing: one of the other's is lost.
+/// A wheel's frame twice in a row is not used: the other wheel's frame was lost.
 void WheelSignals::learn(std::size_t wheel, std::int64_t time) {
   if (!leads_) leads_ = wheel;
   pause_ = newest_ ? std::max<double>(0, static_cast<double>(time - newest_time_)) : 0;
@@ -64,7 +64,7 @@ bool WheelSignals::completes(std::size_t wheel) {
   return pair;
 }
 
-/// The shortest way round: a counter of n bits wraps at 2^n.
+/// Unwraps by the shortest difference: a counter of n bits wraps at 2^n.
 void WheelSignals::take(std::size_t wheel, std::int64_t raw) {
   const int unused = 64 - signals_[wheel].length;
   const std::uint64_t before = static_cast<std::uint64_t>(last_[wheel].value_or(0));

@@ -7,7 +7,7 @@
 namespace curbstone::encoder::traces {
 
 namespace {
-constexpr int kMostAtOnce = 64;  // frames a millisecond: nobody sends bursts
+constexpr int kMostAtOnce = 64;  // frames per millisecond: no bus has larger bursts
 }
 
 FileLink::FileLink(const std::string& path, double rate, std::vector<std::uint32_t> ours)

@@ -11,14 +11,13 @@
 
 namespace curbstone::encoder::traces {
 
-/// Plays a recording: its frames come with the times that were recorded, spaced as they were. Stops the loop at its
-/// end. Nothing can be sent.
+/// Plays a recording with its recorded times and intervals. Stops the loop at its end. Nothing can be sent.
 ///
-/// Counts: those of TraceFile, refused.trace_time (times that lead back or far ahead), trace.jumps (where the recording
-/// goes on elsewhere), dropped.no_bus (frames to send).
+/// Counts: those of TraceFile, refused.trace_time (times that go back or leap far ahead), trace.jumps (positions at
+/// which the recording continues with other times), dropped.no_bus (frames to send).
 class FileLink final : public can::CanLink {
  public:
-  /// `rate` times real time; 0: as fast as it can be read. Throws as TraceFile does, and `ours` are its ids.
+  /// `rate` times real time; 0: as fast as it can be read. Throws as TraceFile does; `ours` is as there.
   FileLink(const std::string& path, double rate, std::vector<std::uint32_t> ours = {});
 
   void attach(EventLoop& loop, Handlers handlers) override;

@@ -22,7 +22,7 @@ std::optional<double> parse_number(std::string_view text) {
   return value;
 }
 
-/// Cuts the first word off; empty at the end.
+/// Removes and returns the first word; empty at the end.
 std::string_view next_word(std::string_view& text) {
   const std::size_t begin = text.find_first_not_of(" \t\r\n");
   text.remove_prefix(begin == std::string_view::npos ? text.size() : begin);
@@ -87,7 +87,7 @@ PcanTrace::Line PcanTrace::parse(std::string_view text) {
   if (columns_.find('O') == std::string::npos || columns_.find('T') == std::string::npos ||
       columns_.find('I') == std::string::npos || columns_.find_first_of("Ll") == std::string::npos ||
       columns_.back() != 'D') {
-    return line;  // without these nothing can be read
+    return line;  // without these nothing can be parsed
   }
   Type type = Type::kOther;
   std::string_view rest = text;
@@ -101,7 +101,7 @@ PcanTrace::Line PcanTrace::parse(std::string_view text) {
       line.utime = start_ + std::llround(*offset * 1e3);
     } else if (column == 'T') {
       type = type_of(word, old_);
-      if (type == Type::kOther) {  // the columns that follow are others
+      if (type == Type::kOther) {  // its columns differ
         line.kind = Line::Kind::kOther;
         return line;
       }

@@ -9,8 +9,8 @@
 
 namespace curbstone::encoder::traces {
 
-/// Reads the lines of a PCAN trace of version 1.1, 2.0 or 2.1, in their order: the first ones say how the others are to
-/// be read. Source: PEAK CAN TRC File Format (2020). Pure.
+/// Parses the lines of a PCAN trace of version 1.1, 2.0 or 2.1, in order: the first lines define the format of the
+/// others. Source: PEAK CAN TRC File Format (2020). Pure.
 class PcanTrace {
  public:
   struct Line {
@@ -20,13 +20,13 @@ class PcanTrace {
       kOther,    ///< error frame, CAN FD, bus state, event: no classical frame
       kRefused,  ///< not a line of such a file
     } kind = Kind::kRefused;
-    std::int64_t utime = 0;  ///< us; the file's start, which is in local time, is taken for UTC
-    std::string bus;         ///< empty where the file does not say
+    std::int64_t utime = 0;  ///< us; the file's start is local time, and is taken as UTC
+    std::string bus;         ///< empty if the file does not name it
     can::CanFrame frame;
   };
 
   [[nodiscard]] Line parse(std::string_view line);
-  /// A version that is not read, "1.3"; empty otherwise.
+  /// A version that is not supported, "1.3"; empty otherwise.
   [[nodiscard]] const std::string& foreign_version() const { return foreign_version_; }
 
  private:

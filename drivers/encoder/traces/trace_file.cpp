@@ -31,7 +31,7 @@ TraceFile::TraceFile(std::string path, std::vector<std::uint32_t> ours)
   if (!first_) fail("no CAN frames: neither a candump log nor a PCAN trace");
 }
 
-/// A line that is longer than any is cut, and refused for that: no file fills the memory.
+/// A line that is too long is cut, and refused later: no file can fill the memory.
 bool TraceFile::read_line(std::string& text) {
   text.clear();
   for (int c = file_.get(); c != EOF; c = file_.get()) {

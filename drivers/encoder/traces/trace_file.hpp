@@ -12,8 +12,8 @@
 
 namespace curbstone::encoder::traces {
 
-/// The frames of a recording, whichever of the two kinds it is. Of several buses one is read: that on which a frame of
-/// ours comes first, or where nothing is known of ours, the first. Until it is known the frames of all come.
+/// The frames of a recording of either kind. If it has several buses one is read: the bus of the first frame with one
+/// of the given ids, or the first bus if no ids are given. Until it is known, the frames of all buses are returned.
 ///
 /// Counts: refused.trace_line, ignored.trace_line (no classical frames), ignored.other_bus.
 class TraceFile {
@@ -23,8 +23,8 @@ class TraceFile {
     can::CanFrame frame;
   };
 
-  /// Throws std::runtime_error, with one clear line, if the file cannot be read, has no frame among its first 1000
-  /// lines or is of a version that is not known. `ours`: CAN ids, bit 31 marks one of 29 bits.
+  /// Throws std::runtime_error with a one-line message if the file cannot be read, has no frame among its first 1000
+  /// lines, or is of an unsupported version. `ours`: CAN ids, bit 31 marks a 29-bit id.
   explicit TraceFile(std::string path, std::vector<std::uint32_t> ours = {});
 
   /// The next frame; nothing at the end.

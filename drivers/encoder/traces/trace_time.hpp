@@ -5,15 +5,15 @@
 
 namespace curbstone::encoder::traces {
 
-/// Judges the times of a recording's frames: they grow, by no more than kPause at a time. One that leads back, or far
-/// ahead, is damaged. Where kAgreeing in a row grow from each other, the recording goes on there: a pause, a clock that
-/// was set, or another recording behind the first. Pure; times in us.
+/// Checks the times of a recording's frames: they increase, by no more than kPause at a time. A time that goes back or
+/// leaps far ahead is damaged. Where kAgreeing in a row increase from each other, the recording continues there: after
+/// a pause, a step of the clock, or the end of the first of two joined recordings. Pure; times in us.
 class TraceTime {
  public:
   static constexpr std::int64_t kPause = 10'000'000;
   static constexpr int kAgreeing = 10;
 
-  /// Whether the next frame's time can be.
+  /// Whether the next frame's time is plausible.
   [[nodiscard]] bool take(std::int64_t utime) {
     if (!last_ || grows(*last_, utime)) {
       last_ = utime;
@@ -28,14 +28,14 @@ class TraceTime {
     agreeing_ = 0;
     return true;
   }
-  /// How often the recording went on elsewhere.
+  /// Number of times that the recording continued elsewhere.
   [[nodiscard]] std::int64_t jumps() const { return jumps_; }
 
  private:
   [[nodiscard]] static bool grows(std::int64_t from, std::int64_t to) { return to >= from && to - from <= kPause; }
 
   std::optional<std::int64_t> last_;
-  std::int64_t other_ = 0;  // the last that could not be
+  std::int64_t other_ = 0;  // the latest implausible one
   int agreeing_ = 0;        // of these, in a row
   std::int64_t jumps_ = 0;
 };

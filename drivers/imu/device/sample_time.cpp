@@ -11,7 +11,7 @@ namespace {
 constexpr std::int64_t kDay = 864'000'000;  // ticks
 constexpr std::int64_t kFull = std::int64_t{1} << 32;
 constexpr std::int64_t kLongestInterval = 10'000;  // ticks, a second
-constexpr std::int64_t kRounding = 2;              // ticks: the device rounds, on both sides of a step
+constexpr std::int64_t kRounding = 2;              // ticks: the device rounds at both ends of a step
 constexpr std::size_t kFewestSteps = 3;
 
 }  // namespace
@@ -40,7 +40,7 @@ SampleTime::Result SampleTime::next(std::uint32_t ticks, std::int64_t received, 
   }
   if (refused_ && step(*refused_, seen, {}, Strictness::kOnGrid)) {
     if (const auto on = step(*believed_, seen, ahead, Strictness::kInOrder)) return believe(Verdict::kContinues, *on);
-    learned_ = 0;  // it may sample at another rate
+    learned_ = 0;  // it may sample at another rate now
     interval_ = 0;
     return believe(Verdict::kRestarted, 0);
   }
@@ -49,7 +49,7 @@ SampleTime::Result SampleTime::next(std::uint32_t ticks, std::int64_t received, 
   return {Verdict::kRefused, 0, 0};
 }
 
-/// From one time to the next, across a wrap too, in ticks; empty if it does not continue it.
+/// Ticks from one time to the next, also across a wrap; empty if it is not a continuation.
 std::optional<std::int64_t> SampleTime::step(const Seen& from, const Seen& to, std::optional<int> ahead,
                                              Strictness strictness) const {
   const std::int64_t elapsed = to.received - from.received;
@@ -64,11 +64,11 @@ std::optional<std::int64_t> SampleTime::step(const Seen& from, const Seen& to, s
 
 bool SampleTime::in_order(std::int64_t step, std::int64_t elapsed, std::optional<int> ahead) const {
   if (!ahead || interval_ == 0) return step * kTick <= std::max<std::int64_t>(elapsed, 0) + kSlack;
-  // Messages of other kinds may be lost beside the samples, so there can be more messages than intervals; but not many.
+  // Messages of other kinds may be lost as well as samples, so there can be more messages than intervals, but not many.
   return intervals(step - tolerance_) <= *ahead && *ahead <= others_ + 4 * intervals(step) + 8;
 }
 
-/// How far a step is from a multiple of the interval.
+/// Distance of a step from a multiple of the interval.
 std::int64_t SampleTime::off_grid(std::int64_t step) const {
   return interval_ == 0 ? 0 : std::abs(step - intervals(step) * interval_);
 }
@@ -89,7 +89,7 @@ double SampleTime::interval() const {
          static_cast<double>(std::max<std::int64_t>(count, 1));
 }
 
-/// The interval is the median step. The tolerance follows the third largest deviation: one wrong time makes two.
+/// The interval is the median step. The tolerance follows the third largest deviation: one wrong time causes two.
 void SampleTime::learn(std::int64_t step) {
   if (step <= 0 || step > kLongestInterval) return;
   steps_[learned_++ % steps_.size()] = step;

@@ -7,41 +7,41 @@
 
 namespace curbstone::imu::device {
 
-/// Unwraps SampleTimeFine of the samples, and judges each: a wrong one must cost no more than its sample, for the
-/// device's clock hangs on it (ClockOffset). Messages without inertial data do not belong here: those of the device's
-/// GNSS receiver bear the time of the fix, up to seconds old.
+/// Unwraps SampleTimeFine of the samples, and checks each time: the device's clock depends on it (ClockOffset), so a
+/// wrong time must cost no more than its sample. Do not pass messages without inertial data: those of the device's GNSS
+/// receiver have the time of the fix, up to seconds old.
 ///
-/// A time is believed if it continues the last one that was. If not, the sample is refused. If the next continues the
-/// refused one, and not the believed one, the device has restarted, or has only shifted its samples. "Continues" means:
-/// later, by a whole number of sample intervals, give or take what is usual for this device, that the packet counter
-/// allows, or, without a counter, that the time of receipt allows. After a second without a sample it is enough that
-/// the time of receipt agrees.
+/// A time is accepted if it continues the last accepted one. Otherwise the sample is refused. If the next time
+/// continues the refused one and not the accepted one, the device has restarted, or has only shifted its samples.
+/// "Continues" means: later, by a whole number of sample intervals within the usual tolerance of this device, and
+/// consistent with the packet counter or, without a counter, with the time of receipt. After a second without a sample,
+/// consistency with the time of receipt is sufficient.
 ///
-/// SampleTimeFine begins again at zero after 2^32 ticks on some devices (MTi-1, 600 series) and after a day (864e6
-/// ticks) on others (10 and 100 series). The messages do not tell which, so a step may be either. Pure; one thread.
+/// SampleTimeFine wraps to zero after 2^32 ticks on some devices (MTi-1, 600 series) and after a day (864e6 ticks) on
+/// others (10 and 100 series). The messages do not tell which, so both are accepted. Pure; one thread.
 class SampleTime {
  public:
   static constexpr std::int64_t kTick = 100;         ///< us
-  static constexpr std::int64_t kSlack = 500'000;    ///< us by which samples may wait for their receipt, in a bunch
-  static constexpr std::int64_t kPause = 1'000'000;  ///< us of receipt without a believed sample
+  static constexpr std::int64_t kSlack = 500'000;    ///< us by which the receipt of samples in a bunch may be delayed
+  static constexpr std::int64_t kPause = 1'000'000;  ///< us of receipt without an accepted sample
 
   enum class Verdict {
-    kContinues,  ///< the sample's time is right
-    kRestarted,  ///< so it is, but it has nothing to do with the times before
-    kRepeated,   ///< the time of the sample before: the same message again
-    kLate,       ///< of a sample that should have come before the last one
+    kContinues,  ///< the time is right
+    kRestarted,  ///< the time is right, but unrelated to the times before
+    kRepeated,   ///< the time of the previous sample: the same message again
+    kLate,       ///< a sample that should have come before the latest one
     kRefused,    ///< wrong, or the first of a device that restarted
   };
   struct Result {
     Verdict verdict = Verdict::kRefused;
     std::int64_t time = 0;  ///< us on the device's clock, unwrapped
-    int missing = 0;        ///< samples between the last believed one and this, of those that are seen by their time
+    int missing = 0;        ///< samples missing since the latest accepted one, as far as their times show it
   };
 
-  /// `received` us. `ahead`: messages from the last believed sample to this one, by the packet counter, and `others`:
-  /// of these, those that are known to be no samples. Negative: it comes late by that many.
+  /// `received` us. `ahead`: number of messages from the latest accepted sample to this one, by the packet counter;
+  /// negative: it is late by that many. `others`: of these, messages that are known not to be samples.
   Result next(std::uint32_t ticks, std::int64_t received, std::optional<int> ahead, int others = 0);
-  /// The mean interval of the last samples, us; 0 while it is not known.
+  /// Mean interval of the latest samples, us; 0 if unknown.
   [[nodiscard]] double interval() const;
 
  private:
@@ -60,15 +60,15 @@ class SampleTime {
   [[nodiscard]] std::int64_t intervals(std::int64_t step) const;
   void learn(std::int64_t step);
 
-  int others_ = 0;  // of this sample
+  int others_ = 0;  // for the current sample
   std::optional<Seen> believed_;
-  std::optional<Seen> refused_;  // since the last believed one
+  std::optional<Seen> refused_;  // since the latest accepted one
   int refusals_ = 0;             // since then
   std::optional<std::uint32_t> last_;
-  std::array<std::int64_t, 32> steps_{};  // ticks, of the last samples, believed or not
+  std::array<std::int64_t, 32> steps_{};  // ticks, of the latest samples, accepted or not
   std::size_t learned_ = 0;
   std::int64_t interval_ = 0;   // ticks between samples; 0: not known yet
-  std::int64_t tolerance_ = 0;  // ticks, of a step that is a multiple of the interval
+  std::int64_t tolerance_ = 0;  // ticks, for a step that is a multiple of the interval
 };
 
 }  // namespace curbstone::imu::device

@@ -9,7 +9,7 @@ namespace curbstone::imu::witmotion {
 
 namespace {
 
-constexpr std::int64_t kPause = 100'000;  // us between commands: at 9600 baud the device is slow to take them
+constexpr std::int64_t kPause = 100'000;  // us between commands: at 9600 baud the device processes them slowly
 
 struct Rate {
   int hz;
@@ -18,7 +18,7 @@ struct Rate {
 constexpr std::array<Rate, 7> kRates = {{{1, 3}, {2, 4}, {5, 5}, {10, 6}, {20, 7}, {50, 8}, {100, 9}}};
 constexpr Rate kFastest = {200, 0xB};
 
-/// The fastest that is not above.
+/// The fastest rate that is not above `hz`.
 Rate rate_for(int hz) {
   if (hz >= kFastest.hz) return kFastest;
   Rate best = kRates[0];

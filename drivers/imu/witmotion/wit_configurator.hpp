@@ -11,9 +11,9 @@
 
 namespace curbstone::imu::witmotion {
 
-/// Sets a device up: which frames it sends, and how often. The protocol has no acknowledgement; so it does so again if
-/// no usable sample comes for a while. Nothing is saved in the device: after a power cycle it is as it was bought.
-/// Pure; times in us. Source: WitMotion standard protocol, registers 02 (RSW) and 03 (RRATE).
+/// Sets a device up: which frames it sends, and at which rate. The protocol has no acknowledgement, so the set-up is
+/// repeated if no usable sample comes for a while. Nothing is saved in the device: after a power cycle it has its
+/// earlier settings. Pure; times in us. Source: WitMotion standard protocol, registers 02 (RSW) and 03 (RRATE).
 ///
 /// Counts: device.commands, device.reconfigured.
 class WitConfigurator {
@@ -29,12 +29,12 @@ class WitConfigurator {
   WitConfigurator(const Settings& settings, Send send);
 
   void start(std::int64_t now);
-  /// A sample with time, acceleration and rate of turn has come.
+  /// A sample with time, acceleration and rate of turn was received.
   void on_usable_sample(std::int64_t now) { last_usable_ = now; }
   void tick(std::int64_t now);
-  /// Hz that the device is set to.
+  /// Hz, the rate that is set in the device.
   [[nodiscard]] int rate() const { return rate_; }
-  /// What cannot be had, in words; empty when nothing is wrong.
+  /// What the device does not support, in words; empty if there is nothing.
   [[nodiscard]] const std::string& fault() const { return fault_; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -45,8 +45,8 @@ class WitConfigurator {
   int rate_ = 0;  // Hz
   bool started_ = false;
   std::size_t next_ = 0;          // command
-  std::int64_t sent_ = 0;         // the one before
-  std::int64_t last_usable_ = 0;  // or when the set-up was done
+  std::int64_t sent_ = 0;         // us, of the previous command
+  std::int64_t last_usable_ = 0;  // us, else of the end of the set-up
   std::string fault_;
   Counters counters_;
 };

@@ -19,8 +19,7 @@ constexpr double kAngularRate = 2000.0 / 32768 * std::numbers::pi / 180;  // rad
 constexpr int kFullScale = 32767;
 constexpr double kRateSlack = 0.2;
 constexpr std::int64_t kRatePatience = 3'000'000;  // us
-constexpr int kUsual =
-    3;  // groups with fewer frames, one after the other, after which that is how the device is set up
+constexpr int kUsual = 3;                          // consecutive groups with fewer frames that are accepted as complete
 
 constexpr unsigned bit(WitId id) {
   return 1u << (static_cast<unsigned>(id) - 0x50u);
@@ -37,7 +36,7 @@ bool clips(const WitFrame& frame, std::size_t axis) {
   return std::abs(frame.word(axis)) >= kFullScale;
 }
 
-/// w first, as most take it; the maker does not say.
+/// w first, as is usual; the maker does not document the order.
 std::optional<std::array<double, 4>> quaternion(const WitFrame& frame) {
   std::array<double, 4> q{};
   double norm = 0;
@@ -51,7 +50,7 @@ std::optional<std::array<double, 4>> quaternion(const WitFrame& frame) {
   return q;
 }
 
-/// Ticks of 0.1 ms since midnight: so it wraps as some Xsens do.
+/// Ticks of 0.1 ms since midnight, which wrap like those of some Xsens devices.
 std::optional<std::uint32_t> time_of_day(const WitFrame& frame) {
   const std::uint32_t hour = frame.data[3], minute = frame.data[4], second = frame.data[5];
   const std::uint32_t ms = read_little_endian<std::uint16_t>(frame.data.subspan(6));
@@ -107,7 +106,7 @@ void WitDevice::take(const WitFrame& frame) {
   }
 }
 
-/// Another group begins. The first shows by its end what a whole one is.
+/// Ends the group when another one begins. The first group defines which frames a complete one has.
 void WitDevice::end_group(std::int64_t now, const Handler& handler) {
   const bool whole = (group_.ids & expected_) == expected_ && !group_.broken;
   if (whole && !group_.done) use_group(handler);
@@ -135,7 +134,7 @@ void WitDevice::use_group(const Handler& handler) {
   handler(group_.sample);
 }
 
-/// False: the group's time is wrong, and counted by its cause.
+/// Returns false if the group's time is wrong; counts the cause.
 bool WitDevice::judge_time() {
   if (!group_.ticks) return true;
   using Verdict = device::SampleTime::Verdict;
@@ -148,11 +147,11 @@ bool WitDevice::judge_time() {
   group_.sample.missing = at.missing;
   group_.sample.restarted = at.verdict == Verdict::kRestarted;
   if (at.missing > 0) counters_.add("lost.packets", at.missing);
-  if (group_.sample.restarted) configurator_.start(group_.sample.received);  // it was off, and has forgotten
+  if (group_.sample.restarted) configurator_.start(group_.sample.received);  // it was off, and has lost its set-up
   return true;
 }
 
-/// Somebody has set it to another rate, or it has forgotten its own without losing power: it is set up again.
+/// Another program has set another rate, or the device has lost its rate without losing power: the set-up is repeated.
 void WitDevice::watch_rate(std::int64_t now) {
   const double interval = sample_time_.interval();
   if (!settings_.configure || !group_.ticks || interval <= 0) return;

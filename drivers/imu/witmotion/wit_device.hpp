@@ -8,12 +8,12 @@
 namespace curbstone::imu::witmotion {
 
 /// A WitMotion IMU (WT901, HWT905, JY901, JY61P) with the default ranges, 16 g and 2000 deg/s. A sample is a group of
-/// frames with ascending ids, without a common number: a group begins with an id that is not above the one before. A
-/// group that lacks a frame which those before it had is not used. Its time is that of frame 50, in ms, if it has one.
+/// frames with ascending ids and without a common number: a group begins with an id that is not above the one before. A
+/// group that lacks a frame which earlier groups had is not used. Its time is that of frame 50, in ms, if it has one.
 ///
-/// Counts, besides those of WitParser and WitConfigurator: skipped.frames (other ids), skipped.incomplete (groups
-/// without acceleration or rate of turn), refused.group (a frame is missing), refused.range (no such time of day, no
-/// unit quaternion), refused.time, refused.repeated (SampleTime), lost.packets (samples, by their time).
+/// Counts, in addition to those of WitParser and WitConfigurator: skipped.frames (other ids), skipped.incomplete
+/// (groups without acceleration or rate of turn), refused.group (a frame is missing), refused.range (an invalid time of
+/// day, or no unit quaternion), refused.time, refused.repeated (SampleTime), lost.packets (samples, by their time).
 class WitDevice final : public device::ImuDevice {
  public:
   WitDevice(const device::DeviceSettings& settings, Send send);
@@ -26,12 +26,12 @@ class WitDevice final : public device::ImuDevice {
 
  private:
   struct Group {
-    unsigned ids = 0;  // bit k: frame 0x50 + k has come
+    unsigned ids = 0;  // bit k: frame 0x50 + k was received
     std::uint8_t last = 0;
-    bool broken = false;     // something was lost inside it
+    bool broken = false;     // data was lost within it
     bool done = false;       // used or counted
     std::int64_t begun = 0;  // us, receipt of the first frame
-    std::int64_t ended = 0;  // and of the last
+    std::int64_t ended = 0;  // us, receipt of the last frame
     int frames = 0;
     std::optional<std::uint32_t> ticks;  // of 0.1 ms since midnight
     device::ImuSample sample;
@@ -50,9 +50,9 @@ class WitDevice final : public device::ImuDevice {
   device::SampleTime sample_time_;
   Group group_;
   unsigned expected_ = 0;  // ids of a whole group
-  unsigned fewer_ = 0;     // those of the last groups, if they were fewer
+  unsigned fewer_ = 0;     // ids of the latest groups, if they were fewer
   int fewer_times_ = 0;
-  std::int64_t wrong_rate_since_ = 0;  // us; 0: it is right
+  std::int64_t wrong_rate_since_ = 0;  // us; 0: the rate is right
   std::string rate_fault_;
   Counters counters_;
 };

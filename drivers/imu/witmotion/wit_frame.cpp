@@ -33,7 +33,7 @@ std::vector<std::uint8_t> encode_wit(std::uint8_t id, std::span<const std::uint8
 }
 
 void WitParser::parse(std::span<const std::uint8_t> bytes, const Handler& handler) {
-  while (!bytes.empty()) {  // by pieces, so that what is held stays small
+  while (!bytes.empty()) {  // in pieces, so that the buffer stays small
     const auto piece = bytes.first(std::min<std::size_t>(bytes.size(), 1024));
     buffer_.insert(buffer_.end(), piece.begin(), piece.end());
     bytes = bytes.subspan(piece.size());

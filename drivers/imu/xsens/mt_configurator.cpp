@@ -11,7 +11,7 @@ namespace curbstone::imu::xsens {
 namespace {
 
 constexpr std::int64_t kAnswerTime = 500'000;  // us
-constexpr int kMaxTries = 4;                   // of one command, before all begins again
+constexpr int kMaxTries = 4;                   // of one command, before the set-up restarts
 constexpr std::uint16_t kUnrated = 0xFFFF;     // "with every message"
 constexpr std::uint16_t kOutputTypeMask = 0xF8F0;
 
@@ -101,7 +101,7 @@ void MtConfigurator::send_command(std::int64_t now) {
 void MtConfigurator::on_frame(std::int64_t now, const XbusFrame& frame) {
   if (!settings_.enabled) return;
   if (!started_) start(now);
-  if (frame.is(Mid::kWakeUp)) {  // within 0.5 s, or it starts to measure with what it remembers
+  if (frame.is(Mid::kWakeUp)) {  // answered within 0.5 s, or it starts to measure with its stored configuration
     counters_.add("device.restarts");
     send_(encode_xbus(Mid::kWakeUpAck));
     enter(Step::kGotoConfig, now);
@@ -130,7 +130,7 @@ void MtConfigurator::on_error(std::span<const std::uint8_t> data) {
                          error_text(code));
 }
 
-/// The device may change what was asked: its answer says what it will do.
+/// The device may change the requested outputs: its answer has those that it will send.
 void MtConfigurator::check_outputs(std::span<const std::uint8_t> effective) {
   mismatch_.clear();
   for (const auto& [type, name] : {std::pair{0x4020, "acceleration"}, std::pair{0x8020, "rate of turn"}}) {

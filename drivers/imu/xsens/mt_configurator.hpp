@@ -11,16 +11,17 @@
 
 namespace curbstone::imu::xsens {
 
-/// Sets a device up and starts its measurement, and does so again whenever it restarts or falls silent. GotoConfig ->
-/// SetOutputConfiguration -> GotoMeasurement: each is repeated until it is acknowledged, without end. Pure: time comes
-/// in, command bytes go out. All times in us. Source: Xsens MT Low Level Communication Protocol (MT0101P).
+/// Sets a device up and starts its measurement, and repeats this when it restarts or becomes silent. GotoConfig ->
+/// SetOutputConfiguration -> GotoMeasurement: each is repeated until it is acknowledged, without a limit. Pure: time
+/// and frames are arguments, commands go to `send`. All times in us. Source: Xsens MT Low Level Communication Protocol
+/// (MT0101P).
 ///
 /// Counts: device.commands, device.retries, device.restarts (WakeUp seen), device.reconfigured, device.errors.
 class MtConfigurator {
  public:
   using Send = std::function<void(std::span<const std::uint8_t>)>;
   struct Settings {
-    bool enabled = true;  ///< false: never sends anything, the device was set up by somebody else
+    bool enabled = true;  ///< false: never sends anything, the device is set up already
     int rate = 100;       ///< Hz
     bool orientation = true;
     std::int64_t patience = 1'000'000;  ///< us without a usable sample after which the device is set up again
@@ -28,15 +29,15 @@ class MtConfigurator {
 
   MtConfigurator(const Settings& settings, Send send) : settings_(settings), send_(std::move(send)) {}
 
-  /// (Re)starts from the beginning: the link came up.
+  /// (Re)starts from the beginning, when the link came up.
   void start(std::int64_t now);
   void on_frame(std::int64_t now, const XbusFrame& frame);
-  /// A sample with everything that was asked for has come.
+  /// A sample with all requested items was received.
   void on_usable_sample(std::int64_t now) { last_usable_ = now; }
   void tick(std::int64_t now);
 
   [[nodiscard]] bool measuring() const { return step_ == Step::kMeasuring; }
-  /// What is wrong, in words; empty when nothing is.
+  /// The present fault in words; empty if there is none.
   [[nodiscard]] std::string fault() const;
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -52,17 +53,17 @@ class MtConfigurator {
   Send send_;
   Step step_ = Step::kGotoConfig;
   bool started_ = false;
-  std::int64_t sent_ = 0;         // when the last command went out
-  std::int64_t last_usable_ = 0;  // when the last usable sample came, or measurement began
-  int tries_ = 0;                 // of the present command
+  std::int64_t sent_ = 0;         // us, of the latest command
+  std::int64_t last_usable_ = 0;  // us, of the latest usable sample, else of the start of measurement
+  int tries_ = 0;                 // of the current command
   int unanswered_ = 0;            // commands since the last acknowledgement
-  std::string refusal_;           // the device's last error, until a set-up succeeds
-  std::string mismatch_;          // how the outputs differ from what was asked
+  std::string refusal_;           // the device's latest error, until a set-up succeeds
+  std::string mismatch_;          // how the outputs differ from the requested ones
   Counters counters_;
 };
 
-/// The data of SetOutputConfiguration for what the driver needs: counter, time, (orientation), acceleration, rate of
-/// turn, status.
+/// Data of SetOutputConfiguration for the items that the driver needs: counter, time, (orientation), acceleration, rate
+/// of turn, status.
 [[nodiscard]] std::vector<std::uint8_t> output_configuration(int rate, bool orientation);
 
 }  // namespace curbstone::imu::xsens

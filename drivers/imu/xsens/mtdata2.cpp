@@ -13,7 +13,7 @@ namespace curbstone::imu::xsens {
 
 namespace {
 
-// Ids without their low nibble: its bits 2..3 say the coordinate system, 0..1 the precision.
+// Ids without their low nibble: bits 2..3 are the coordinate system, 0..1 the precision.
 constexpr std::uint16_t kTypeMask = 0xF8F0;
 constexpr std::uint16_t kTemperature = 0x0810;
 constexpr std::uint16_t kPacketCounter = 0x1020;
@@ -27,7 +27,7 @@ constexpr std::uint16_t kDeltaRotation = 0x8030;
 constexpr std::uint16_t kStatusByte = 0xE010;
 constexpr std::uint16_t kStatusWord = 0xE020;
 
-constexpr double kMaxAcceleration = 2000;  // m/s^2: 200 g, the widest range sold
+constexpr double kMaxAcceleration = 2000;  // m/s^2: 200 g, the widest range on the market
 constexpr double kMaxAngularRate = 100;    // rad/s: 5700 deg/s
 
 constexpr std::array<std::size_t, 4> kNumberSize = {4, 4, 6, 8};
@@ -53,12 +53,13 @@ struct Item {
   std::span<const std::uint8_t> data;
 };
 
-/// Smaller than any float32 but zero that is not denormal: no sensor measures that, so it is something else.
+/// Whether it is a denormal float32, smaller than any other but zero: no sensor measures that, so it is not a
+/// measurement.
 bool is_denormal(double v) {
   return v != 0 && std::abs(v) < static_cast<double>(std::numeric_limits<float>::min());
 }
 
-/// N finite numbers in the item's precision, each of at most `limit`; empty, and counted, if it is anything else.
+/// N finite numbers in the item's precision, each of at most `limit`; otherwise empty, and counted.
 template <std::size_t N>
 std::optional<std::array<double, N>> numbers(const Item& item, double limit, Counters& counters) {
   const std::size_t size = kNumberSize[item.id & 3];
@@ -98,7 +99,7 @@ std::optional<std::array<double, 4>> unit_quaternion(const Item& item, Counters&
   return q;
 }
 
-/// Roll, pitch, yaw in degrees, unlike the rate of turn in the same message.
+/// From roll, pitch, yaw in degrees, unlike the rate of turn in the same message.
 std::optional<std::array<double, 4>> quaternion_of_euler(const Item& item, Counters& counters) {
   const auto degrees = numbers<3>(item, 360.0, counters);
   if (!degrees) return {};
@@ -123,7 +124,7 @@ void decode_item(const Item& item, MtData2& result, Counters& counters) {
       result.angular_rate = numbers<3>(item, kMaxAngularRate, counters);
       break;
     case kDeltaVelocity:
-      result.delta_velocity = numbers<3>(item, kMaxAcceleration, counters);  // of a second at most
+      result.delta_velocity = numbers<3>(item, kMaxAcceleration, counters);  // over a second at most
       break;
     case kDeltaRotation:
       result.delta_rotation = unit_quaternion(item, counters);

@@ -9,7 +9,7 @@
 
 namespace curbstone::imu::xsens {
 
-/// The content of one MTData2 message. Each message may hold other items: what was absent is empty. Frame: imu (the
+/// Content of one MTData2 message. Messages may differ in their items: an absent item is empty. Frame: imu (the
 /// sensor's own axes, right-handed).
 struct MtData2 {
   std::optional<std::uint16_t> packet_counter;
@@ -21,7 +21,7 @@ struct MtData2 {
   std::optional<std::array<double, 4>> orientation;     ///< w x y z, unit, sensor to the device's local frame
   std::optional<double> temperature;                    ///< deg C
   std::optional<std::uint32_t> status;                  ///< bits of the status word; the status byte is its lowest
-  bool truncated = false;                               ///< an item runs over the end: it is no message of a device
+  bool truncated = false;                               ///< an item extends beyond the end: not a message of a device
 
   static constexpr std::uint32_t kSelfTestPassed = 1u << 0;
   static constexpr std::uint32_t kForceClips = 0x7u << 8;  ///< of the accelerometer's axes

@@ -9,23 +9,23 @@
 
 namespace curbstone::imu::xsens {
 
-/// Finds losses by the device's 16-bit packet counter. The device numbers all of its messages in one row: samples, and
-/// others such as those of its GNSS receiver. So a number that is missing between two samples is a loss only if no
-/// other message had it.
+/// Counts lost samples by the device's 16-bit packet counter. The device numbers all of its messages in one sequence:
+/// samples, and others such as those of its GNSS receiver. So a number that is missing between two samples is a loss
+/// only if no other message had it.
 class PacketCounter {
  public:
   static constexpr int kMostLate = 16;  ///< messages
 
-  /// From the last used sample to this one.
+  /// From the latest used sample to this one.
   struct Gap {
-    int ahead = 1;   ///< messages; 1: this is the next; down to -kMostLate: it comes late
-    int others = 0;  ///< of these, those that came and are no samples
-    int lost = 0;    ///< messages that never came
+    int ahead = 1;   ///< messages; 1: the next one; negative, down to -kMostLate: it is late
+    int others = 0;  ///< of these, received messages that are not samples
+    int lost = 0;    ///< messages that were not received
   };
 
-  /// A message that is no sample.
+  /// A message that is not a sample.
   void other(std::uint16_t counter) { others_.add(counter); }
-  /// A sample that came and is not used.
+  /// A sample that was received but is not used.
   void refused(std::uint16_t counter) { refused_.add(counter); }
   /// Empty before the first sample.
   [[nodiscard]] std::optional<Gap> gap(std::uint16_t counter) const {
@@ -41,7 +41,7 @@ class PacketCounter {
     last_ = counter;
     others_ = refused_ = {};
   }
-  /// Whether this counter, of a message that comes late, was among the lost ones. It no longer is.
+  /// Whether a late message's counter was among the lost ones; removes it from them.
   bool found(std::uint16_t counter) {
     for (auto& lost : lost_) {
       if (lost == counter) {
@@ -51,11 +51,11 @@ class PacketCounter {
     }
     return false;
   }
-  /// The device counts anew: whatever comes next is the next one.
+  /// The device has restarted its counter: any next counter is accepted.
   void restart() { *this = {}; }
 
  private:
-  /// Counters since the last sample; of more than it holds, the first.
+  /// Counters received since the latest used sample; if there are more than it holds, the first ones.
   struct Came {
     std::array<std::uint16_t, 64> counters{};
     std::size_t size = 0;
@@ -75,7 +75,7 @@ class PacketCounter {
     }
   };
 
-  /// Remembers the last of those that are missing before this one.
+  /// Remembers the latest counters that are missing before this one.
   void note_lost(std::uint16_t counter) {
     if (!last_ || gap(counter)->lost == 0) return;
     for (int back = 1; back <= kMostLate; ++back) {

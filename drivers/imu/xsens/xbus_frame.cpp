@@ -14,7 +14,7 @@ constexpr std::uint8_t kMaster = 0xFF;
 constexpr std::uint8_t kFirstTracker = 0x01;
 constexpr std::uint8_t kExtended = 0xFF;
 
-/// Only these two can be longer than a plain length byte tells.
+/// Only these two can be longer than a single length byte can express.
 bool may_be_extended(std::uint8_t mid) {
   return mid == static_cast<std::uint8_t>(Mid::kMtData2) || mid == static_cast<std::uint8_t>(Mid::kOutputConfiguration);
 }
@@ -49,7 +49,7 @@ void XbusParser::parse(std::int64_t now, std::span<const std::uint8_t> bytes, co
     const std::size_t room = std::min(bytes.size(), kMaxFrame - buffer_.size());
     buffer_.insert(buffer_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(room));
     bytes = bytes.subspan(room);
-    drain(now, handler);  // leaves room: what is complete or refused goes
+    drain(now, handler);  // leaves room: complete and refused candidates are removed
   }
 }
 
@@ -93,8 +93,8 @@ XbusParser::Candidate XbusParser::examine(std::span<const std::uint8_t> bytes, X
   return candidate;
 }
 
-/// A device sends the same message over and over. So the header that this one has, inside it, is the next one's, whose
-/// rest has not come yet.
+/// A device sends the same message repeatedly. So this candidate's own header inside it is that of the next frame,
+/// whose rest has not arrived yet.
 bool XbusParser::swallows_another(std::span<const std::uint8_t> bytes, std::size_t size) {
   constexpr std::size_t kHeader = 4;
   const std::span<const std::uint8_t> inside = bytes.first(size).subspan(kHeader);

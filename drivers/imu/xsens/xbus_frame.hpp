@@ -10,7 +10,7 @@
 
 namespace curbstone::imu::xsens {
 
-/// Message ids of the Xsens "Xbus" protocol that we speak. An acknowledgement is the request plus one.
+/// Message ids of the Xsens "Xbus" protocol that are used. An acknowledgement's id is that of the request plus one.
 enum class Mid : std::uint8_t {
   kGotoMeasurement = 0x10,
   kGotoMeasurementAck = 0x11,
@@ -26,7 +26,7 @@ enum class Mid : std::uint8_t {
   kOutputConfiguration = 0xC1,
 };
 
-/// One message, its checksum verified. `data` points into the parser's buffer: valid inside the handler only.
+/// One message with a valid checksum. `data` points into the parser's buffer: valid inside the handler only.
 struct XbusFrame {
   std::uint8_t mid = 0;
   std::span<const std::uint8_t> data;
@@ -35,18 +35,18 @@ struct XbusFrame {
   [[nodiscard]] bool is(Mid id) const { return mid == static_cast<std::uint8_t>(id); }
 };
 
-/// The bytes of a message: preamble FA, bus id FF (master), id, length (extended where data exceeds 254 bytes), data,
-/// checksum. Source: Xsens MT Low Level Communication Protocol (MT0101P).
+/// Encodes a message: preamble FA, bus id FF (master), id, length (extended if data exceeds 254 bytes), data, checksum.
+/// Source: Xsens MT Low Level Communication Protocol (MT0101P).
 [[nodiscard]] std::vector<std::uint8_t> encode_xbus(Mid mid, std::span<const std::uint8_t> data = {});
 
-/// Cuts a byte stream into frames. FA also occurs inside payloads, and garbage looks like headers. So a candidate
-/// counts only if its checksum is right. If not, the search goes on from its second byte, and a good frame inside it is
-/// found. A frame that was cut takes what it lacks from its follower, and one in 256 such has the right sum: so a
-/// candidate that no preamble follows, and inside which a good frame or one with the same header begins, is refused.
-/// Holds at most kMaxFrame bytes. One thread.
+/// Splits a byte stream into frames. FA also occurs inside payloads, and garbage looks like headers, so a candidate
+/// counts only if its checksum is right. If it is not, the search continues from the candidate's second byte, which
+/// finds a good frame inside it. A truncated frame takes its missing bytes from the next frame, and one in 256 of these
+/// has a valid checksum. So a candidate is refused if no preamble follows it, and a good frame or one with the same
+/// header begins inside it. Holds at most kMaxFrame bytes. One thread.
 ///
-/// Counts: frames, refused.checksum, refused.header (bus id, id or length that no device sends), refused.incomplete (a
-/// candidate whose rest did not come within kPatience), refused.overlap, garbage_bytes.
+/// Counts: frames, refused.checksum, refused.header (bus id, id or length that no device sends), refused.incomplete
+/// (the rest of a candidate did not arrive within kPatience), refused.overlap, garbage_bytes.
 class XbusParser {
  public:
   using Handler = std::function<void(const XbusFrame&)>;
@@ -55,11 +55,11 @@ class XbusParser {
   static constexpr std::size_t kMaxFrame = kMaxData + 7;
   static constexpr std::int64_t kPatience = 250'000;  ///< us; kMaxFrame takes 180 ms at 115200 baud
 
-  /// `now`, us: when these bytes arrived. Any cutting of the stream into calls gives the same frames, but for such
-  /// overlaps: they are seen if the other frame has come whole.
+  /// `now`, us: when these bytes arrived. The frames do not depend on how the stream is split into calls, except for
+  /// the overlaps above: they are found only if the other frame has arrived completely.
   void parse(std::int64_t now, std::span<const std::uint8_t> bytes, const Handler& handler);
 
-  /// Forgets a half-received frame: the link was interrupted.
+  /// Drops a partly received frame: the link was interrupted.
   void reset() { buffer_.clear(); }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -72,7 +72,7 @@ class XbusParser {
   static bool swallows_another(std::span<const std::uint8_t> bytes, std::size_t size);
 
   std::vector<std::uint8_t> buffer_;  // starts with the oldest candidate's preamble, if not empty
-  std::int64_t waiting_since_ = 0;    // us; when the candidate at the front was first found incomplete
+  std::int64_t waiting_since_ = 0;    // us, when the candidate at the front was first found incomplete
   bool waiting_ = false;
   Counters counters_;
 };

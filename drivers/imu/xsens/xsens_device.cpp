@@ -7,10 +7,10 @@ namespace curbstone::imu::xsens {
 
 namespace {
 
-/// The rotation vector of a unit quaternion, rad.
+/// Rotation vector of a unit quaternion, rad.
 std::array<double, 3> rotation_vector(const std::array<double, 4>& q) {
   const double sine = std::hypot(q[1], q[2], q[3]);
-  const double angle = 2 * std::atan2(std::copysign(sine, q[0]), std::abs(q[0]));  // q and -q are one rotation
+  const double angle = 2 * std::atan2(std::copysign(sine, q[0]), std::abs(q[0]));  // q and -q are the same rotation
   const double scale = sine > 0 ? angle / sine : 0;
   return {scale * q[1], scale * q[2], scale * q[3]};
 }
@@ -40,7 +40,7 @@ void XsensDevice::on_frame(std::int64_t now, const XbusFrame& frame, const Handl
     return;
   }
   device::ImuSample sample;
-  const auto bits = static_cast<std::int64_t>(frame.wire_size) * 10;  // 8N1: ten bits a byte
+  const auto bits = static_cast<std::int64_t>(frame.wire_size) * 10;  // 8N1: ten bits per byte
   sample.received = now - (settings_.uart ? bits * 1'000'000 / settings_.baud : 0);
   if (!judge(data, sample)) return;
   if (!measure(data, sample)) return counters_.add("skipped.no_interval");
@@ -56,8 +56,8 @@ void XsensDevice::on_frame(std::int64_t now, const XbusFrame& frame, const Handl
   handler(sample);
 }
 
-/// Increments are integrals of the device's fast inner samples, with coning and sculling compensated. Over the interval
-/// they are the means that an integration needs; what the device filters out of its rates is not lost.
+/// Increments are integrals of the device's fast inner samples, with coning and sculling compensated. Divided by the
+/// interval they are the means that an integration needs; nothing is lost to the device's output filter.
 bool XsensDevice::measure(const MtData2& data, device::ImuSample& sample) const {
   const double interval = sample_time_.interval() * 1e-6;  // s
   if (data.delta_velocity && data.delta_rotation && interval > 0) {
@@ -73,7 +73,7 @@ bool XsensDevice::measure(const MtData2& data, device::ImuSample& sample) const 
   return true;
 }
 
-/// Fills in time and losses. False: the sample is wrong, and counted by its cause.
+/// Sets time and losses. Returns false if the sample is wrong; counts the cause.
 bool XsensDevice::judge(const MtData2& data, device::ImuSample& sample) {
   const auto& counter = data.packet_counter;
   const auto gap = counter ? packet_counter_.gap(*counter) : std::nullopt;
@@ -86,7 +86,7 @@ bool XsensDevice::judge(const MtData2& data, device::ImuSample& sample) {
     if (at.verdict == Verdict::kLate) {
       const bool was_lost = packet_counter_.found(*counter);
       counters_.add(was_lost ? "refused.late" : "refused.repeated");
-      if (was_lost) counters_.add("lost.packets", -1);  // not lost then
+      if (was_lost) counters_.add("lost.packets", -1);  // it was not lost after all
       return false;
     }
     if (at.verdict == Verdict::kRepeated || at.verdict == Verdict::kRefused) {

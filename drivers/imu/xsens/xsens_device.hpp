@@ -9,14 +9,14 @@
 
 namespace curbstone::imu::xsens {
 
-/// An Xsens MTi: Xbus frames, MTData2 messages. Its time is SampleTimeFine. Messages without inertial data (of its GNSS
-/// receiver, say, which bear the time of the fix) touch neither clock nor sequence. Velocity and rotation increments go
-/// before acceleration and rate of turn where they come. A message whose items do not come out even is none: a frame
-/// that lost bytes and took others from its follower has the right sum once in 256 times.
+/// An Xsens MTi: Xbus frames with MTData2 messages. Its time is SampleTimeFine. Messages without inertial data (such as
+/// those of its GNSS receiver, with the time of the fix) affect neither clock nor sequence. Velocity and rotation
+/// increments are used instead of acceleration and rate of turn if present. A message whose items do not end at its end
+/// is refused: a frame that lost bytes and took others from the next frame has a valid checksum once in 256 times.
 ///
-/// Counts, besides those of XbusParser, decode_mtdata2() and MtConfigurator: skipped.incomplete (messages without
-/// inertial data), skipped.no_interval (increments before the sample interval is known), refused.time, refused.repeated
-/// (SampleTime), lost.packets.
+/// Counts, in addition to those of XbusParser, decode_mtdata2() and MtConfigurator: skipped.incomplete (messages
+/// without inertial data), skipped.no_interval (increments before the sample interval is known), refused.time,
+/// refused.repeated (SampleTime), lost.packets.
 class XsensDevice final : public device::ImuDevice {
  public:
   XsensDevice(const device::DeviceSettings& settings, Send send);
@@ -38,7 +38,7 @@ class XsensDevice final : public device::ImuDevice {
   MtConfigurator configurator_;
   device::SampleTime sample_time_;
   PacketCounter packet_counter_;
-  bool restarted_ = false;  // since the last sample
+  bool restarted_ = false;  // since the previous sample
   Counters counters_;
 };
 

@@ -8,7 +8,7 @@ namespace curbstone::lidar::decoding {
 namespace {
 
 constexpr int kFullTurn = 36000;
-constexpr int kTolerance = 200;  // 0.01 deg: two blocks and what the device rounds
+constexpr int kTolerance = 200;  // 0.01 deg: two blocks and the device's rounding
 
 bool same(const Gap& a, const Gap& b) {
   const int apart = std::abs(a.from - b.from) % kFullTurn;

@@ -5,29 +5,29 @@
 
 namespace curbstone::lidar::decoding {
 
-/// A turn of the head in which nothing was fired, between two blocks of a packet. 0.01 deg, clockwise.
+/// An interval of the head's rotation, between two blocks of a packet, in which nothing was fired. 0.01 deg, clockwise.
 struct Gap {
   int from = 0;   ///< azimuth of the last block before it
-  int width = 0;  ///< to the next block's azimuth
+  int width = 0;  ///< up to the next block's azimuth
 };
 
-/// The part of the turn in which the device does not fire, where it is set so. A jump of the azimuth is taken for it
-/// only where the device itself says so (its field of view), or where it was seen at the same place in two turns and
-/// each time the time had passed that the head needs for it. One damaged azimuth is neither. Pure; one thread.
+/// The sector in which the device does not fire, if it is configured so. A jump of the azimuth counts as the blind zone
+/// only if the device itself reports it (its field of view), or if it was seen at the same place in two revolutions and
+/// each time took as long as the head needs for it. A single damaged azimuth satisfies neither. Pure; one thread.
 class BlindZone {
  public:
-  /// As the device says: it fires from `start` clockwise to `end`, 0.01 deg; equal, or 0 and 36000: everywhere.
+  /// The device's own report: it fires from `start` clockwise to `end`, 0.01 deg; equal, or 0 and 36000: everywhere.
   void set_field_of_view(int start, int end);
 
-  /// deg that the device fires in.
+  /// deg in which the device fires.
   [[nodiscard]] double field_of_view() const { return reported_ ? 360.0 - reported_->width * 0.01 : 360.0; }
 
   [[nodiscard]] bool is(const Gap& gap) const;
 
-  /// A packet with this gap, which was not the blind zone, came with this stamp (us). It lasts `without` us if its
-  /// azimuth is damaged, and `with` if it is a blind zone: the stamp of the packet after it tells.
+  /// Takes a packet with this gap, which is not the known blind zone, and its stamp (us). The packet lasts `without` us
+  /// if its azimuth is damaged, and `with` us if the gap is a blind zone: the stamp of the next packet decides.
   void suspect(const Gap& gap, std::int64_t stamp, double without, double with);
-  /// The next packet's stamp, us.
+  /// Takes the next packet's stamp, us.
   void next_stamp(std::int64_t stamp);
 
  private:

@@ -9,10 +9,10 @@ namespace curbstone::lidar::decoding {
 namespace {
 
 constexpr int kCircle = 36000;      // 0.01 deg
-constexpr int kStepBack = 1000;     // a step back of less than this is one; else a wide blind zone
-constexpr int kFastest = 100;       // more than any motor speed gives: 20, 40, 80 at 5, 10, 20 Hz
-constexpr int kSlowest = 3;         // slower, it stands, or its azimuth is stuck: the same to who looks at the bytes
-constexpr int kLeastTolerance = 8;  // rounding and jitter; a Helios' steps are within 6 of their median
+constexpr int kStepBack = 1000;     // a backward step of less than this is one; a larger one is a wide blind zone
+constexpr int kFastest = 100;       // more than any motor speed: 20, 40, 80 at 5, 10, 20 Hz
+constexpr int kSlowest = 3;         // slower: the head stands, or its azimuth is stuck; the bytes do not show which
+constexpr int kLeastTolerance = 8;  // rounding and jitter; the steps of a Helios are within 6 of their median
 
 int step(std::uint16_t from, std::uint16_t to) {
   const int forward = (to - from + kCircle) % kCircle;

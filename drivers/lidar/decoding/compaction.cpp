@@ -13,7 +13,8 @@ constexpr std::size_t kEight = 8;
 constexpr std::size_t kValue = 4;  // bytes
 using Order = std::array<std::int32_t, kEight>;
 
-/// For each set of eight that are kept (bit i: the i-th is): which one is the first, the second, ...
+/// For each set of kept values among eight (bit i: the i-th is kept): the indices of the first, the second, ... kept
+/// one.
 constexpr std::array<Order, 256> kOrders = [] {
   std::array<Order, 256> orders{};
   for (unsigned set = 0; set < 256; ++set) {
@@ -25,7 +26,7 @@ constexpr std::array<Order, 256> kOrders = [] {
   return orders;
 }();
 
-/// Eight bytes of 0 or 1 as a set: the product has byte i, bit 0, as bit 56 + i.
+/// Converts eight bytes of 0 or 1 to a set: the product has bit 0 of byte i as bit 56 + i.
 unsigned set_of(const std::uint8_t* keep) {
   static_assert(std::endian::native == std::endian::little);
   std::uint64_t bytes = 0;
@@ -40,7 +41,7 @@ inline void put_in_order(const void* from, const Order& order, void* to) {
   Eight values, indices;
   std::memcpy(&values, from, sizeof values);
   std::memcpy(&indices, order.data(), sizeof indices);
-  values = __builtin_shuffle(values, indices);  // one instruction where vectors are this wide
+  values = __builtin_shuffle(values, indices);  // one instruction if vectors are this wide
   std::memcpy(to, &values, sizeof values);
 }
 #else

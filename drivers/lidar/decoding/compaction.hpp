@@ -7,16 +7,16 @@
 
 namespace curbstone::lidar::decoding {
 
-/// A figure of each of some records, of which some are to be kept: where they are, and where those that are kept go, in
-/// order. Each is four bytes.
+/// A four-byte field of each record, as an array: its source, and the destination of the kept values, in order.
 struct Column {
   const void* from = nullptr;
   void* to = nullptr;  ///< with room for all records and kCompactionSlack
 };
-inline constexpr std::size_t kCompactionSlack = 8;  ///< values that may be written after those that are kept
+inline constexpr std::size_t kCompactionSlack = 8;  ///< values that may be written after the kept ones
 
-/// Moves what is kept of `records` records to the columns' ends; returns how many those are. `keep`: 1 or 0 a record.
-/// `records` is a multiple of eight. No branch depends on `keep`: which shots have a return is as good as random.
+/// Copies the kept values of `keep.size()` records to the columns' destinations; returns their number. `keep`: 1 or 0
+/// per record. The number of records is a multiple of eight. No branch depends on `keep`, because which shots have a
+/// return is practically random.
 std::size_t compact(std::span<const std::uint8_t> keep, std::span<const Column> columns);
 
 }  // namespace curbstone::lidar::decoding

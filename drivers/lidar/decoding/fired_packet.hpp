@@ -10,7 +10,7 @@
 
 namespace curbstone::lidar::decoding {
 
-/// Which returns go out.
+/// Which returns are published.
 struct ReturnLimits {
   double min_range = 0.4;  ///< m; nearer returns are left out
   double max_range = 150.0;
@@ -18,13 +18,13 @@ struct ReturnLimits {
   double end_angle = 360.0;  ///< ... to before here; equal, or 0 and 360: all
 };
 
-/// How a device writes distances. 0 is no return.
+/// Encoding of distances. 0 means no return.
 struct DistanceUnit {
   double step = 0;              ///< m
-  std::uint16_t no_return = 0;  ///< another word for none
+  std::uint16_t no_return = 0;  ///< another value that means no return
 };
 
-/// How the returns of a device become points. It stays as it is: when the device becomes another, there is another one.
+/// How a device's returns become points. Immutable: when the device changes, a new object is made.
 struct PointRules {
   ReturnLimits limits;
   DistanceUnit unit;
@@ -32,11 +32,11 @@ struct PointRules {
   ShotTable shots;
 };
 
-/// The records of a data block as they are in the packet.
+/// The records of a data block as in the packet.
 struct BlockRecords {
   std::array<std::uint16_t, kRecordsPerBlock> distance{};
   std::array<std::uint8_t, kRecordsPerBlock> intensity{};
-  std::int32_t repeats = 0;  ///< set to distance 0 because they repeat the shot's other return: no shots without one
+  std::int32_t repeats = 0;  ///< set to distance 0: they repeat the shot's other return, and do not count as no return
 
   void leave_out(std::size_t record) {
     distance[record] = 0;
@@ -44,19 +44,18 @@ struct BlockRecords {
   }
 };
 
-/// Where the head was when a block's shots were fired.
+/// Azimuth and time of a block's shots.
 struct BlockPlace {
   int azimuth = 0;             ///< 0.01 deg, 0..35999, clockwise, at the first shot
   double turned_a_second = 0;  ///< deg/s, within the block
   double start = 0;            ///< s from the packet's first shot to the block's
 };
 
-/// What the points of a packet are made of: make_points() makes the same ones again. It takes a quarter of their
-/// memory.
+/// The data from which a packet's points are made: make_points() reproduces them. It takes a quarter of their memory.
 struct FiredPacket {
   std::shared_ptr<const PointRules> rules;
   std::vector<BlockPlace> places;
-  std::vector<BlockRecords> records;  ///< one or two of each place: first one return of each shot, then the other
+  std::vector<BlockRecords> records;  ///< one or two per place: first one return of each shot, then the other
 
   [[nodiscard]] std::size_t bytes() const {
     return places.size() * sizeof(BlockPlace) + records.size() * sizeof(BlockRecords);

@@ -8,9 +8,9 @@ namespace curbstone::lidar::decoding {
 namespace {
 
 constexpr std::int64_t kTurn = 36000;
-constexpr std::int64_t kJitter = 100;  // a step back of more than this is a packet that was overtaken
-constexpr double kLateAtMost = 0.1;    // s; a larger step back in time is the clock being set
-constexpr double kGapAtMost = 10.0;    // s; after a longer silence nothing is said about what was lost in it
+constexpr std::int64_t kJitter = 100;  // 0.01 deg; a larger backward step is a packet that was overtaken
+constexpr double kLateAtMost = 0.1;    // s; a larger step back in time means that the clock was set
+constexpr double kGapAtMost = 10.0;    // s; after a longer silence losses are not estimated
 
 std::int64_t wrapped(std::int64_t angle) {
   return (angle % kTurn + kTurn) % kTurn;
@@ -27,7 +27,7 @@ HeadTracker::Step HeadTracker::follow(const Packet& packet, double blind) {
   const double elapsed = static_cast<double>(packet.utime - last_->utime) * 1e-6;
   const bool unknown = elapsed < -kLateAtMost || elapsed > kGapAtMost;
   const double per_packet = last_->rate * last_->duration;
-  // The azimuth does not show whole turns; the time does, roughly.
+  // The azimuth does not show full revolutions; the time does, approximately.
   const double expected = unknown ? per_packet : elapsed * last_->rate;
   const std::int64_t ahead = wrapped(packet.azimuth - last_->azimuth);
   const std::int64_t turned = ahead + kTurn * std::llround((expected - static_cast<double>(ahead)) / kTurn);

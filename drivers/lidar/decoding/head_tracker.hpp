@@ -5,22 +5,22 @@
 
 namespace curbstone::lidar::decoding {
 
-/// Follows the turning head from packet to packet. RS16 packets have no sequence number: losses are estimated from the
-/// angle that the head turned meanwhile. Pure; one thread. Angles are in 0.01 deg, clockwise seen from above, as in the
-/// packets. So sums are exact.
+/// Follows the rotating head from packet to packet. RS16 packets have no sequence number: losses are estimated from the
+/// angle that the head turned in between. Pure; one thread. Angles are integers in 0.01 deg, clockwise seen from above,
+/// as in the packets, so sums are exact.
 class HeadTracker {
  public:
   struct Step {
-    std::int32_t revolution = 0;  ///< of this packet; counts up when the azimuth passes the cut angle, never down
-    std::int64_t lost = 0;        ///< packets, estimated, between the one before and this one
-    bool duplicate = false;       ///< the same packet again: it is ignored
-    bool late = false;            ///< fired shortly before the last packet: it is ignored
+    std::int32_t revolution = 0;  ///< of this packet; increments when the azimuth passes the cut angle, never decreases
+    std::int64_t lost = 0;        ///< packets, estimated, between the previous one and this one
+    bool duplicate = false;       ///< the same packet again: to be ignored
+    bool late = false;            ///< fired shortly before the latest packet: to be ignored
   };
 
   struct Packet {
-    std::int64_t utime = 0;  ///< of the first shot, on any clock that runs evenly to within a quarter turn
+    std::int64_t utime = 0;  ///< of the first shot, on any clock that is accurate to a quarter turn
     int azimuth = 0;         ///< of the first shot
-    double rate = 0;         ///< 1/s that the head turns
+    double rate = 0;         ///< 0.01 deg/s, rotation of the head
     double duration = 0;     ///< s
   };
 

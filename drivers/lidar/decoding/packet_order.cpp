@@ -10,11 +10,11 @@ namespace curbstone::lidar::decoding {
 namespace {
 
 constexpr double kFullCircle = 36000;       // 0.01 deg
-constexpr double kReorderAtMost = 100'000;  // us that a packet may come after a later one
-constexpr double kShortGap = 500'000;       // us, over which the head's speed is known
+constexpr double kReorderAtMost = 100'000;  // us by which a packet may arrive after a later one
+constexpr double kShortGap = 500'000;       // us, within which the head's speed is constant
 constexpr double kReceiptJitter = 40'000;   // us, of the time of receipt
 constexpr double kLongGapJitter = 250'000;  // us, the same after a longer silence
-constexpr double kClocksAgree = 20'000;     // us; two clocks that do so by chance are not to be expected
+constexpr double kClocksAgree = 20'000;     // us; clocks do not agree to this by chance
 constexpr int kForgetRefusedAfter = 3;      // packets
 
 double nearest_turn(double angle) {
@@ -28,15 +28,15 @@ PacketOrder::Mark PacketOrder::mark(const PendingPacket& packet) {
           packet.points.duration * 1e6};
 }
 
-/// A packet begins when the one before it has ended, give or take firmware of other firing times. One that begins in
-/// the middle of another is read in the wrong return mode.
+/// A packet begins when the previous one ends, within the tolerance of firmware with other firing times. One that
+/// begins in the middle of another was decoded in the wrong return mode.
 bool PacketOrder::overlap(const Mark& before, const Mark& packet) {
   const std::int64_t passed = packet.stamp - before.stamp;
   const double part = std::abs(static_cast<double>(passed)) / (passed > 0 ? before.duration : packet.duration);
   return part > 0.2 && part < 0.8;
 }
 
-/// A head is heavy. One that turns at another speed all at once is read in the wrong return mode too.
+/// A head is heavy. If its speed changes at once, the packet was decoded in the wrong return mode, too.
 bool PacketOrder::other_speed(const Mark& before, const Mark& packet) {
   const auto [slow, fast] = std::minmax({std::abs(before.rate), std::abs(packet.rate)});
   return fast > 1.4 * slow;
@@ -48,7 +48,7 @@ Refusal PacketOrder::fits(const Mark& before, const Mark& packet) {
   if (passed < -kReorderAtMost || overlap(before, packet)) return Refusal::kStamp;
   if (other_speed(before, packet)) return Refusal::kAzimuth;
   if (passed > kShortGap) return beside_receipt <= kLongGapJitter ? Refusal::kNone : Refusal::kStamp;
-  // Times of receipt may be anything while the stamps go on without a gap: a busy host, a network that stood still.
+  // Times of receipt may be arbitrary while the stamps continue without a gap: a busy host, a network that was blocked.
   const bool near = std::abs(passed) <= 4 * before.duration;
   if (!near && beside_receipt > kReceiptJitter) return Refusal::kStamp;
 
@@ -108,7 +108,7 @@ Refusal PacketOrder::doubt(const Mark& packet, Refusal why) {
   others_ = other_ && others_ > 0 && fits(*other_, packet) == Refusal::kNone ? others_ + 1 : 1;
   other_ = packet;
   if (!confirmed_) {
-    // One of the first two is wrong. The first has not gone out; the next packet tells.
+    // One of the first two is wrong. The first has not been released; the next packet decides.
     discard_held();
     began_anew_ = true;
     return Refusal::kNone;
@@ -162,7 +162,7 @@ bool PacketOrder::due(const PendingPacket& packet) const {
   return before <= 0 || before > static_cast<long>(kMostHeld);
 }
 
-/// How many packets are to come between the two; negative where the second was fired first.
+/// Number of packets missing between the two; negative if the second was fired first.
 long PacketOrder::missing(const Mark& before, const Mark& packet) const {
   const double gap = static_cast<double>(packet.stamp - before.stamp) - before.duration;
   const long packets = std::lround(gap / before.duration);

@@ -10,53 +10,54 @@
 
 namespace curbstone::lidar::decoding {
 
-/// A decoded packet on its way out.
+/// A decoded packet that waits to be published.
 struct PendingPacket {
   DecodedPacket points;
   std::int64_t received = 0;  ///< us since the Unix epoch
-  std::int64_t utime = 0;     ///< of the first shot, to be published: for the user's use
+  std::int64_t utime = 0;     ///< of the first shot, to be published; set by the user of PacketOrder
   std::int64_t even = 0;      ///< the same on the host's clock without jumps
-  int refused_before = 0;     ///< packets of the device that came between the one before and this, and were refused
+  int refused_before = 0;     ///< refused packets of the device between the previous one and this one
 };
 
-/// Puts packets in the order in which they were fired, and refuses those whose stamp or azimuth cannot be. Packets have
-/// no number and no checksum; what tells a damaged one is that two clocks and a heavy head go on evenly: the device's
-/// stamps, the times of receipt, and the azimuth.
+/// Puts packets in firing order, and refuses those with an implausible stamp or azimuth. Packets have no number and no
+/// checksum. A damaged one is recognised because two clocks and a heavy head run evenly: the device's stamps, the times
+/// of receipt, and the azimuth.
 ///
-/// A packet that fits the one before goes out at once. If one or two are missing before it, it waits, for they may have
-/// been overtaken: until they come, or a third has come after them. So at most two packets are held, 2.7 ms of an RS16.
-/// A packet that does not fit is refused. If kAgreeing in a row fit each other, the device's clock was set, or the head
-/// moved: they are the new base. The first packet is held until a second fits it, unless its stamp is the host's time.
+/// A packet that fits the previous one is released at once. If one or two are missing before it, it waits, because they
+/// may have been overtaken: until they arrive, or a third one has arrived after them. So at most two packets are held,
+/// 2.7 ms of an RS16. A packet that does not fit is refused. If kAgreeing in a row fit each other, the device's clock
+/// was set, or the head moved: they are the new base. The first packet is held until a second one fits it, unless its
+/// stamp is the host's time.
 ///
-/// Packets without a stamp go out as they come. Pure; one thread. Stamps in us.
+/// Packets without a stamp are released as they arrive. Pure; one thread. Stamps in us.
 class PacketOrder {
  public:
   static constexpr int kAgreeing = 10;
   static constexpr std::size_t kMostHeld = 2;
 
-  /// What to decode the next packet into.
+  /// The buffer to decode the next packet into.
   [[nodiscard]] DecodedPacket& spare() { return slots_[spare_].points; }
-  /// Takes the decoded packet in, or says why not.
+  /// Accepts the decoded packet, or returns the reason of its refusal.
   [[nodiscard]] Refusal take(std::int64_t received);
-  /// The packet that was just taken in: valid until next().
+  /// The packet that was just accepted: valid until next().
   [[nodiscard]] PendingPacket& taken() { return slots_[taken_]; }
-  /// Whether that packet came when its turn was, so that its time of receipt says something about the delay.
+  /// Whether that packet arrived in its turn, so that its time of receipt shows the delay.
   [[nodiscard]] bool in_order() const { return in_order_; }
-  /// Whether the last packet began a new base: nothing that was learnt of the device's clock holds any more.
+  /// Whether the latest packet began a new base: what was learnt of the device's clock is no longer valid.
   [[nodiscard]] bool began_anew() const { return began_anew_; }
-  /// How many packets were taken in and then found wrong since the last call: the first one, where the second speaks
-  /// against it.
+  /// Number of packets that were accepted and then found wrong since the last call: the first packet, if the second
+  /// contradicts it.
   [[nodiscard]] int discarded();
-  /// A packet of the device was refused elsewhere: it did come, and is not lost.
+  /// A packet of the device was refused elsewhere: it was received, so it is not lost.
   void refused();
 
-  /// The next packet that may go out, in order; nullptr where there is none. It stays valid until take().
+  /// The next packet in order that may be published; nullptr if there is none. Valid until take().
   [[nodiscard]] PendingPacket* next();
-  /// Nothing more is waited for: what is held may go out.
+  /// Releases the held packets without waiting for others.
   void flush() { draining_ = held_count_ > 0; }
   [[nodiscard]] bool holds() const { return held_count_ > 0; }
 
-  /// How often the device's clock (or head) was found elsewhere for good.
+  /// How often the device's clock (or head) was found to have moved permanently.
   [[nodiscard]] std::int64_t jumps() const { return jumps_; }
 
  private:
@@ -85,14 +86,14 @@ class PacketOrder {
   std::array<std::size_t, kMostHeld + 1> held_{};  ///< slots, by stamp
   std::size_t held_count_ = 0;
 
-  std::optional<Mark> base_;  ///< the newest packet that was taken in
+  std::optional<Mark> base_;  ///< the newest accepted packet
   bool confirmed_ = false;    ///< a second packet fitted the first
   std::optional<Mark> sent_;
   std::optional<Mark> other_;  ///< the newest packet that did not fit
   int discarded_ = 0;
-  int others_ = 0;     ///< in a row, that fit each other
+  int others_ = 0;     ///< in a row, fitting each other
   int stampless_ = 0;  ///< in a row
-  int refused_ = 0;    ///< packets since the last that was sent
+  int refused_ = 0;    ///< packets since the latest released one
   int sent_since_refused_ = 0;
   bool draining_ = false;
   bool began_anew_ = false;

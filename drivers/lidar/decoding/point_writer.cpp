@@ -12,7 +12,7 @@ namespace curbstone::lidar::decoding {
 
 namespace {
 
-/// The head at a block's first shot.
+/// State of the head at a block's first shot.
 struct HeadOfBlock {
   Direction azimuth;
   double turned_a_second = 0;  ///< deg/s
@@ -20,8 +20,8 @@ struct HeadOfBlock {
   double lens_offset = 0;      ///< m
 };
 
-/// Where the shots' returns are. The loop has no branch, and each figure is in an array of its own: several points are
-/// computed at a time.
+/// Computes the coordinates of the shots' returns. The loop has no branch, and each quantity has its own array, so
+/// several points are computed at a time.
 CURBSTONE_FOR_EACH_VECTOR_WIDTH
 void place_block(const HeadOfBlock& head, const ShotTable& shots, const std::uint16_t* distance, double step, float* x,
                  float* y, float* z, float* time) {
@@ -44,7 +44,7 @@ void place_block(const HeadOfBlock& head, const ShotTable& shots, const std::uin
   }
 }
 
-/// Which returns go out. Returns how many shots have none.
+/// Selects the returns to publish. Returns the number of shots without one.
 CURBSTONE_FOR_EACH_VECTOR_WIDTH
 int choose_by_distance(const std::uint16_t* distance, unsigned no_return, unsigned least, unsigned most,
                        std::uint8_t* goes_out) {
@@ -57,7 +57,7 @@ int choose_by_distance(const std::uint16_t* distance, unsigned no_return, unsign
   return none;
 }
 
-/// Ring and intensity of each shot in one word, so that both move together.
+/// Packs ring and intensity of each shot into one word, so that both are moved together.
 CURBSTONE_FOR_EACH_VECTOR_WIDTH
 void mark(const ShotTable& shots, const std::uint8_t* intensity, std::uint32_t* marks) {
   for (std::size_t i = 0; i < kRecordsPerBlock; ++i)
@@ -70,7 +70,7 @@ void take_apart(const std::uint32_t* marks, std::size_t count, std::uint8_t* int
   for (std::size_t i = 0; i < count; ++i) ring[i] = static_cast<std::uint8_t>(marks[i] >> 8);
 }
 
-/// First and other return of each shot beside each other, as they were fired.
+/// Interleaves the first and the other return of each shot, in firing order.
 template <class Figures>
 void interleave(Figures& figures) {
   const Figures before = figures;
@@ -80,7 +80,7 @@ void interleave(Figures& figures) {
   }
 }
 
-/// The least number of steps that is not below `range`, m.
+/// The smallest number of steps that is not below `range`, m.
 unsigned steps_from(double range, double step) {
   auto steps = static_cast<unsigned>(range / step);
   while (steps > 0 && (steps - 1) * step >= range) --steps;

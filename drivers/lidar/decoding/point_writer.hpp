@@ -12,22 +12,22 @@
 
 namespace curbstone::lidar::decoding {
 
-/// Turns the returns of a packet into points, in the order in which they were fired. A sine and a cosine are looked
-/// up once a block; within it the head turns by at most 1 deg, for which few terms of the series are exact to 1e-15.
-/// Use: construct it, add() each block, then finish().
+/// Converts the returns of a packet to points, in firing order. A sine and a cosine are looked up once per block;
+/// within it the head turns by at most 1 deg, for which a few terms of the series are exact to 1e-15. Use: construct
+/// it, add() each block, then finish().
 class PointWriter {
  public:
-  static constexpr std::size_t kMost = 12 * kRecordsPerBlock;  ///< points of a packet: a record each
+  static constexpr std::size_t kMost = 12 * kRecordsPerBlock;  ///< points of a packet: one per record
 
   PointWriter(std::shared_ptr<const PointRules> rules, DecodedPacket& packet);
 
-  /// A block, or two of the same shots: first one return of each, then the other.
+  /// Adds a block, or two blocks of the same shots: first one return of each, then the other.
   void add(const BlockPlace& place, std::span<const BlockRecords> returns);
   void add(const BlockPlace& place, const BlockRecords& records) { add(place, std::span(&records, 1)); }
   void finish();
 
  private:
-  /// A figure of each record of a block; after them, or in between, those of the block with the shots' other returns.
+  /// A value per record of a block; after them, or interleaved, those of the block with the shots' other returns.
   template <class Value>
   using Figures = std::array<Value, 2 * kRecordsPerBlock>;
 
@@ -39,13 +39,13 @@ class PointWriter {
 
   const PointRules& rules_;  ///< the packet's
   bool whole_turn_;
-  unsigned least_;  ///< distance that goes out, in steps
+  unsigned least_;  ///< minimum published distance, in steps
   unsigned most_;
   DecodedPacket& packet_;
   std::size_t count_ = 0;
   std::array<std::uint32_t, kMost + kCompactionSlack> marks_;  ///< of all points: ring and intensity
 
-  // Of the block in hand. What has no return means nothing.
+  // Of the current block. Values of records without a return are undefined.
   alignas(64) Figures<float> x_;
   alignas(64) Figures<float> y_;
   alignas(64) Figures<float> z_;
@@ -54,7 +54,8 @@ class PointWriter {
   Figures<std::uint8_t> goes_out_;  ///< 1 or 0
 };
 
-/// The points of a packet once more, with all their bits. Of the rest of a packet only the counts of returns are set.
+/// Computes the points of a packet again, bit for bit. Of the packet's other members only the counts of returns are
+/// set.
 void make_points(const FiredPacket& fired, DecodedPacket& packet);
 
 }  // namespace curbstone::lidar::decoding

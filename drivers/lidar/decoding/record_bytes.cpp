@@ -12,7 +12,7 @@ namespace {
 using Sixteen = std::uint8_t __attribute__((vector_size(16)));
 }  // namespace
 
-/// Eight records at a time: 24 bytes, in two vectors that share their middle (the second begins at byte 8).
+/// Decodes eight records at a time: 24 bytes, in two overlapping vectors (the second begins at byte 8).
 CURBSTONE_FOR_EACH_VECTOR_WIDTH
 void take_records(std::span<const std::uint8_t, kRecordBytes * kRecordsPerBlock> bytes, BlockRecords& records) {
   static_assert(std::endian::native == std::endian::little);

@@ -9,7 +9,7 @@ namespace curbstone::lidar::decoding {
 
 inline constexpr std::size_t kRecordBytes = 3;  ///< distance, big-endian, and intensity
 
-/// Takes the records of a data block apart, as RoboSense writes them. Sets `records.repeats` to 0.
+/// Decodes the records of a data block in RoboSense's layout. Sets `records.repeats` to 0.
 void take_records(std::span<const std::uint8_t, kRecordBytes * kRecordsPerBlock> bytes, BlockRecords& records);
 
 }  // namespace curbstone::lidar::decoding

@@ -2,22 +2,22 @@
 
 namespace curbstone::lidar::decoding {
 
-/// Why a packet of the device is not used. Each has a counter of its own, "refused.<name>". A packet of another device
-/// is counted under that device's name: see models/sender.hpp.
+/// Why a packet of the device is not used. Each cause has its own counter, "refused.<name>". A packet of another device
+/// is counted under that device's name: see models/base/sender.hpp.
 enum class Refusal {
   kNone,
-  kLength,    ///< no packet of this device is this long
-  kMagic,     ///< does not begin, or is not marked, as a packet of this device
+  kLength,    ///< not a length of this device's packets
+  kMagic,     ///< the beginning or a mark is not that of this device's packets
   kBlock,     ///< a data block without its flag
-  kAzimuth,   ///< beyond 359.99 deg, or the head cannot have been there then
-  kStamp,     ///< a time that fits neither the packets before it nor the time of receipt
+  kAzimuth,   ///< beyond 359.99 deg, or impossible for the head at that time
+  kStamp,     ///< a time that fits neither the previous packets nor the time of receipt
   kMode,      ///< a return mode that the device does not have
   kNoAngles,  ///< the lasers' elevations are not known yet
-  kLate,      ///< fired before one that was sent on
+  kLate,      ///< fired before one that was already released
   kDuplicate,
   kDifopMode,    ///< device information with a return mode that the device does not have
   kDifopAngles,  ///< device information with angles that the device cannot have
-  kPosition,     ///< a position packet without what it should hold
+  kPosition,     ///< a position packet without its expected contents
 };
 
 /// The counter's name.

@@ -11,16 +11,16 @@ namespace curbstone::lidar::decoding {
 inline constexpr double kDegree = std::numbers::pi / 180.0;
 inline constexpr std::size_t kRecordsPerBlock = 32;  ///< of all models
 
-/// Where one laser of a device looks.
+/// Direction of one laser of a device.
 struct Laser {
   double elevation = 0;   ///< deg above the horizon
-  double azimuth = 0;     ///< deg beside the head's azimuth, clockwise
+  double azimuth = 0;     ///< deg relative to the head's azimuth, clockwise
   double height = 0;      ///< m above the origin
   std::uint8_t ring = 0;  ///< rank by elevation, 0 = lowest
 };
 
-/// When and where to the shots of a data block go, by record. It is filled in when the device's angles become known.
-/// Each figure has an array of its own, so that the points of a block are computed several at a time.
+/// Times and directions of the shots of a data block, by record. Filled in when the device's angles become known. Each
+/// quantity has an array of its own, so that several points of a block are computed at a time.
 struct ShotTable {
   using Figures = std::array<double, kRecordsPerBlock>;
   alignas(64) Figures time{};  ///< s after the block's first shot

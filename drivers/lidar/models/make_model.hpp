@@ -8,16 +8,16 @@
 
 namespace curbstone::lidar::models {
 
-/// The models that this driver speaks. A new one: a folder with its table and its decoder, and a line each in
-/// `tables()`, `table_of()` and `make_model()`.
+/// The supported models. To add one: a folder with its table and its decoder, and a line each in `tables()`,
+/// `table_of()` and `make_model()`.
 enum class ModelName { kAuto, kRs16, kHelios16p, kHelios32, kVlp16 };
 
-/// Their facts.
+/// The tables of all models.
 [[nodiscard]] std::vector<const ModelTable*> tables();
-/// kAuto: those of the first.
+/// For kAuto: the first model's.
 [[nodiscard]] const ModelTable& table_of(ModelName name);
 
-/// nullptr for kAuto. Throws std::runtime_error, one line, where the settings do not fit the model.
+/// nullptr for kAuto. Throws std::runtime_error with a one-line message if the settings do not fit the model.
 [[nodiscard]] std::unique_ptr<Model> make_model(ModelName name, const ModelSettings& settings);
 
 }  // namespace curbstone::lidar::models

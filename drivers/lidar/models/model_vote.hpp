@@ -9,16 +9,16 @@
 
 namespace curbstone::lidar::models {
 
-/// Finds out which model is there (`model: auto`): kAgreeing point packets in a row of one. A Helios whose type byte is
-/// shared by those of 16 and 32 lasers is known once its device information has said how many it has. Pure.
+/// Identifies the model (`model: auto`) by kAgreeing consecutive point packets of one model. A Helios whose type byte
+/// does not distinguish 16 from 32 lasers is identified when its device information has reported their number. Pure.
 class ModelVote {
  public:
   static constexpr int kAgreeing = 5;
 
-  /// The next packet. Returns the model once it is decided.
+  /// Takes the next packet. Returns the model once it is identified.
   std::optional<ModelName> offer(std::span<const std::uint8_t> bytes);
 
-  /// Whom the last packets are from.
+  /// Sender of the latest packets.
   [[nodiscard]] Sender leading() const { return leading_; }
 
  private:
@@ -26,7 +26,7 @@ class ModelVote {
 
   Sender leading_ = Sender::kUnknown;
   int votes_ = 0;
-  int helios_lasers_ = 0;  ///< as its device information says; 0 = not known
+  int helios_lasers_ = 0;  ///< reported by its device information; 0 = unknown
 };
 
 }  // namespace curbstone::lidar::models

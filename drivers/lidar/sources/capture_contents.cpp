@@ -36,7 +36,7 @@ CaptureContents contents_of(const std::string& file) {
       ++contents.packets;
     }
   } catch (const std::runtime_error&) {
-    // A file that is cut off has what it has.
+    // The contents of a truncated file are returned.
   }
   for (auto& [key, port] : ports) contents.ports.push_back(std::move(port));
   std::ranges::stable_sort(contents.ports, std::greater{}, &PortContents::packets);

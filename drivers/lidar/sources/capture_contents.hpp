@@ -9,7 +9,7 @@
 
 namespace curbstone::lidar::sources {
 
-/// What a capture has for one port, from one sender.
+/// Packets in a capture for one port from one sender.
 struct PortContents {
   Ipv4 sender = 0;
   int port = 0;
@@ -23,10 +23,11 @@ struct CaptureContents {
   std::int64_t packets = 0;  ///< of all ports
 };
 
-/// Reads the whole file, which may be cut off at its end. Throws std::runtime_error, one line, if it cannot be opened.
+/// Reads the whole file, which may be cut off at its end. Throws std::runtime_error with a one-line message if it
+/// cannot be opened.
 [[nodiscard]] CaptureContents contents_of(const std::string& file);
 
-/// "; 12 IP fragments; 3 frames cut off; 7 frames that are not UDP over IPv4": what there is of them.
+/// "; 12 IP fragments; 3 frames cut off; 7 frames that are not UDP over IPv4": those that occur.
 [[nodiscard]] std::string to_text(const PcapSource::Skipped& skipped);
 
 /// "port 2368 from 192.168.1.201: 453 packets of 1206 bytes; port 8308 ...": at most `ports` of them, the rest counted.

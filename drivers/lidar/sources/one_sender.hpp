@@ -8,15 +8,15 @@
 
 namespace curbstone::lidar::sources {
 
-/// Where nobody has said which device is meant: the first one that sends packets of the model is, until it has been
-/// silent for kSilence. So the points and the device information of two that send to the same ports are never mixed.
-/// Pure; times in us.
+/// Chooses one device if none is configured: the first one that sends packets of the model, until it has been silent
+/// for kSilence. So points and device information of two devices that send to the same ports are never mixed. Pure;
+/// times in us.
 class OneSender {
  public:
   static constexpr std::int64_t kSilence = 1'000'000;
 
-  /// Whether a packet may be used. `is_own`: it is of the model; others may come from anywhere, and are refused by what
-  /// they are.
+  /// Whether a packet may be used. `is_own`: it belongs to the model. Other packets are admitted from any sender, and
+  /// refused later by their kind.
   [[nodiscard]] bool admits(Ipv4 sender, std::int64_t received, bool is_own) {
     if (!is_own) return true;
     const bool silent = !sender_ || received - heard_ > kSilence || heard_ - received > kSilence;
@@ -31,7 +31,7 @@ class OneSender {
     return false;
   }
   [[nodiscard]] std::int64_t foreign() const { return foreign_; }
-  /// In words, while another one sends too. `now` on the clock of `received`.
+  /// The fault in words while a second device sends too, else empty. `now` on the clock of `received`.
   [[nodiscard]] std::string fault(std::int64_t now) const {
     if (!other_ || other_ == sender_ || now - other_heard_ > kSilence || other_heard_ - now > kSilence) return "";
     return "two devices send: " + to_text(*sender_) + " is read, " + to_text(*other_) +

@@ -12,7 +12,7 @@ namespace {
 
 using FrameReader = UdpFrame (*)(std::span<const std::uint8_t>);
 
-/// Nothing for a link type that is not supported.
+/// nullptr for an unsupported link type.
 FrameReader reader_of(int link) {
   switch (link) {
     case DLT_EN10MB:
@@ -38,7 +38,7 @@ class PcapSource::Impl {
  public:
   explicit Impl(const std::string& file) {
     std::array<char, PCAP_ERRBUF_SIZE> error{};
-    // libpcap turns stamps in nanoseconds into microseconds.
+    // libpcap converts stamps in nanoseconds to microseconds.
     handle_ = pcap_open_offline(file.c_str(), error.data());
     if (handle_ == nullptr) throw std::runtime_error(fmt::format("cannot read the capture: {}", error.data()));
     const int link = pcap_datalink(handle_);

@@ -10,12 +10,12 @@
 
 namespace curbstone::lidar::sources {
 
-/// The UDP packets of a capture (.pcap with stamps in us or ns, .pcapng; Ethernet with or without VLAN tags, raw IP,
-/// loopback, Linux cooked 1 and 2), of either byte order.
+/// Reads the UDP packets of a capture (.pcap with stamps in us or ns, .pcapng; Ethernet with or without VLAN tags, raw
+/// IP, loopback, Linux cooked 1 and 2), of either byte order.
 class PcapSource {
  public:
   struct Packet {
-    std::int64_t received = 0;            ///< us since the Unix epoch, when it was captured
+    std::int64_t received = 0;            ///< us since the Unix epoch, time of capture
     Ipv4 sender = 0;                      ///< source address
     int port = 0;                         ///< destination
     std::span<const std::uint8_t> bytes;  ///< UDP payload; valid until the next call
@@ -25,19 +25,19 @@ class PcapSource {
   struct Skipped {
     std::int64_t not_udp = 0;    ///< another protocol
     std::int64_t fragments = 0;  ///< parts of IP packets
-    std::int64_t cut = 0;        ///< shorter than they say
+    std::int64_t cut = 0;        ///< shorter than their stated length
     [[nodiscard]] std::int64_t all() const { return not_udp + fragments + cut; }
     bool operator==(const Skipped&) const = default;
   };
 
-  /// Throws std::runtime_error with one line: what is wrong with the file.
+  /// Throws std::runtime_error with a one-line message: what is wrong with the file.
   explicit PcapSource(std::string file);
   ~PcapSource();
   PcapSource(const PcapSource&) = delete;
   PcapSource& operator=(const PcapSource&) = delete;
 
-  /// The next packet; nothing at the end. Frames that hold no whole UDP packet are skipped. Throws std::runtime_error
-  /// where the file is damaged or cut off.
+  /// The next packet; nothing at the end. Frames without a complete UDP packet are skipped. Throws std::runtime_error
+  /// if the file is damaged or cut off.
   std::optional<Packet> next();
 
   [[nodiscard]] const Skipped& skipped() const { return skipped_; }

@@ -56,7 +56,7 @@ UdpFrame udp_in_ethernet(Bytes frame) {
   return udp_at(frame, 12, 14);
 }
 
-/// The family is 2 for IPv4 everywhere, so one byte of it tells, at whichever end it is.
+/// The family is 2 for IPv4 on all systems, so one byte identifies it, at whichever end it is.
 UdpFrame udp_in_loopback(Bytes frame) {
   if (frame.size() < 4) return none(FrameKind::kCut);
   const bool ipv4 = frame[1] == 0 && frame[2] == 0 && (frame[0] | frame[3]) == 2 && (frame[0] & frame[3]) == 0;

@@ -8,12 +8,12 @@
 
 namespace curbstone::lidar::sources {
 
-/// What a captured frame is. All but kUdp have no payload that can be used.
+/// Kind of a captured frame. Only kUdp has a usable payload.
 enum class FrameKind {
   kUdp,
   kNotUdp,    ///< ARP, TCP, IPv6, ...
   kFragment,  ///< a part of an IPv4 packet that was longer than the network takes
-  kCut,       ///< shorter than it says: captured with a limit on the length, or damaged
+  kCut,       ///< shorter than its stated length: captured with a length limit, or damaged
 };
 
 struct UdpFrame {
@@ -23,20 +23,20 @@ struct UdpFrame {
   std::span<const std::uint8_t> payload;  ///< within the frame
 };
 
-/// The UDP payload of an IPv4 packet. Any bytes may come. Source: RFC 768, RFC 791.
+/// Extracts the UDP payload of an IPv4 packet. Any bytes are allowed. Source: RFC 768, RFC 791.
 [[nodiscard]] UdpFrame udp_in_ip(std::span<const std::uint8_t> packet);
 
-/// The same of what follows an EtherType. Up to two VLAN tags are skipped. Source: IEEE 802.1Q.
+/// The same for the bytes after an EtherType. Up to two VLAN tags are skipped. Source: IEEE 802.1Q.
 [[nodiscard]] UdpFrame udp_after(int ether_type, std::span<const std::uint8_t> rest);
 
-/// The same of an Ethernet frame.
+/// The same for an Ethernet frame.
 [[nodiscard]] UdpFrame udp_in_ethernet(std::span<const std::uint8_t> frame);
 
-/// The same of a frame of a loopback interface: a family of addresses, in the byte order of the host that captured
+/// The same for a frame of a loopback interface: an address family, in the byte order of the capturing host
 /// (LINKTYPE_NULL) or of the network (LINKTYPE_LOOP), and the packet.
 [[nodiscard]] UdpFrame udp_in_loopback(std::span<const std::uint8_t> frame);
 
-/// The same of a Linux cooked frame (`tcpdump -i any`), version 1 and version 2. Source: LINKTYPE_LINUX_SLL and
+/// The same for a Linux cooked frame (`tcpdump -i any`), version 1 and version 2. Source: LINKTYPE_LINUX_SLL and
 /// LINKTYPE_LINUX_SLL2, tcpdump.org.
 [[nodiscard]] UdpFrame udp_in_sll(std::span<const std::uint8_t> frame);
 [[nodiscard]] UdpFrame udp_in_sll2(std::span<const std::uint8_t> frame);

@@ -69,8 +69,8 @@ UdpSource::UdpSource(int port, const UdpOptions& options) : port_(port) {
   fd_ = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (fd_ < 0) throw std::runtime_error("UDP socket: " + std::generic_category().message(errno));
   try {
-    // No SO_REUSEADDR: a second driver on the port would take the packets from the first without a word.
-    // Root gets what it asks for; others what net.core.rmem_max allows.
+    // No SO_REUSEADDR: a second driver on the port would silently take the packets from the first. Root gets the
+    // requested size; others what net.core.rmem_max allows.
     if (setsockopt(fd_, SOL_SOCKET, SO_RCVBUFFORCE, &options.receive_buffer, sizeof options.receive_buffer) != 0)
       setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &options.receive_buffer, sizeof options.receive_buffer);
     enable(fd_, SO_TIMESTAMPNS);
@@ -92,7 +92,7 @@ int UdpSource::receive_buffer() const {
   int bytes = 0;
   socklen_t size = sizeof bytes;
   getsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &bytes, &size);
-  return bytes / 2;  // the kernel counts its own overhead in: it doubles what is asked for (socket(7))
+  return bytes / 2;  // the kernel doubles the requested size for its own overhead (socket(7))
 }
 
 void UdpSource::receive(const Handler& handler) {
@@ -125,7 +125,7 @@ bool UdpSource::receive_one(const Handler& handler) {
     } else if (item->cmsg_type == SO_RXQ_OVFL) {
       std::uint32_t overflow = 0;
       std::memcpy(&overflow, CMSG_DATA(item), sizeof overflow);
-      dropped_ += overflow - last_overflow_;  // wraps as the kernel's counter does
+      dropped_ += overflow - last_overflow_;  // wraps like the kernel's counter
       last_overflow_ = overflow;
     }
   }

@@ -15,10 +15,10 @@ struct UdpOptions {
   std::string host_address = "0.0.0.0";  ///< interface to listen on
   std::string group_address;             ///< multicast group to join; empty = none
   int receive_buffer = 4 << 20;          ///< bytes; the kernel may grant less
-  std::string device_address;            ///< packets of other senders are not handed over; empty = of any
+  std::string device_address;            ///< packets of other senders are dropped; empty = any sender
 };
 
-/// The interface that the sensor is on is not there, or has no address yet: it may come.
+/// The sensor's interface does not exist or has no address yet; it may appear later.
 class InterfaceMissing : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -27,11 +27,11 @@ class InterfaceMissing : public std::runtime_error {
 /// One UDP port that a sensor sends to. Non-blocking; watch fd() and call receive(). One thread.
 class UdpSource {
  public:
-  /// `received`: us since the Unix epoch, by the kernel, when the packet reached the host.
+  /// `received`: us since the Unix epoch, kernel time of receipt.
   using Handler = std::function<void(std::int64_t received, int port, std::span<const std::uint8_t>)>;
 
-  /// Throws std::runtime_error with one line that says what is wrong and how to mend it: InterfaceMissing where it may
-  /// mend itself.
+  /// Throws std::runtime_error with a one-line message that says how to fix the error: InterfaceMissing if it may
+  /// disappear without help.
   UdpSource(int port, const UdpOptions& options);
   ~UdpSource();
   UdpSource(const UdpSource&) = delete;
@@ -39,20 +39,20 @@ class UdpSource {
 
   [[nodiscard]] int fd() const { return fd_; }
   [[nodiscard]] int port() const { return port_; }
-  /// bytes of the receive buffer as the kernel granted it; it may be less than was asked for.
+  /// Bytes of the receive buffer as granted by the kernel; may be less than requested.
   [[nodiscard]] int receive_buffer() const;
 
   /// Calls the handler for each packet that has arrived, at most kBatch. Packets are cut to 2 kB; no sensor sends
   /// longer ones. The bytes are valid inside the handler only.
   void receive(const Handler& handler);
 
-  /// Packets that the kernel has dropped since the start, because this process was too slow.
+  /// Packets dropped by the kernel since the start because this process was too slow.
   [[nodiscard]] std::int64_t dropped() const { return dropped_; }
 
-  /// Who sent the packet that the handler is called with.
+  /// Sender of the packet that the handler is called with.
   [[nodiscard]] Ipv4 sender() const { return sender_; }
 
-  /// Packets of senders other than `device_address`, which were not handed over.
+  /// Dropped packets of senders other than `device_address`.
   [[nodiscard]] std::int64_t foreign() const { return foreign_; }
 
   static constexpr int kBatch = 64;

@@ -5,7 +5,7 @@
 
 namespace curbstone::ekf::base {
 
-/// What disturbs the prediction. Densities: a white rate error of density d has grown to d sqrt(t) after t seconds.
+/// Process noise of the prediction. Densities: a white rate error of density d integrates to d sqrt(t) after t seconds.
 /// Defaults: an MTi-class MEMS unit on a running vehicle (vibration included), not on a bench.
 struct NoiseConfig {
   double gyro = 1.3e-4;                   ///< rad/s/sqrt(Hz)
@@ -13,8 +13,8 @@ struct NoiseConfig {
   double gyro_bias_walk = 2e-5;           ///< rad/s/sqrt(s)
   double accelerometer_bias_walk = 2e-4;  ///< m/s^2/sqrt(s)
   double wheel_scale_walk = 1e-5;         ///< 1/sqrt(s)
-  double coasting_rate = 0.02;            ///< rad/s/sqrt(Hz): turning, while there is no IMU
-  double coasting_acceleration = 1.5;     ///< m/s^2/sqrt(Hz): speeding up or down, while there is no IMU
+  double coasting_rate = 0.02;            ///< rad/s/sqrt(Hz): yaw rate noise while there is no IMU
+  double coasting_acceleration = 1.5;     ///< m/s^2/sqrt(Hz): acceleration noise while there is no IMU
 
   void visit(ConfigVisitor& v) {
     v.field("gyro", gyro, {1e-6, 1.0}, "rad/s/sqrt(Hz), noise density, vibration included");
@@ -28,22 +28,22 @@ struct NoiseConfig {
   }
 };
 
-/// How well wheels measure, and what a wheeled vehicle cannot do.
+/// Measurement noise of the wheels, and how strictly the non-holonomic constraint holds.
 struct WheelsConfig {
-  double interval = 0.05;         ///< s, at least, over which counts are differenced: against jitter and quantisation
+  double interval = 0.05;  ///< s, minimum interval over which counts are differenced: against jitter and quantisation
   double speed_noise = 0.007;     ///< m/s, 1 sigma of a wheel's mean speed over an interval
   double slip_noise = 0.003;      ///< 1 sigma, share of the speed: the little slip of every tyre
   double stamp_noise = 2e-4;      ///< s, 1 sigma of a stamp
   double angle_noise = 3e-4;      ///< rad, 1 sigma of an angle: quantisation
   double lateral_noise = 0.03;    ///< m/s, 1 sigma of sideways speed at the axle
   double vertical_noise = 0.06;   ///< m/s, 1 sigma of vertical speed at the axle, in base_link
-  double axle = 0.0;              ///< m, forward of base_link: where the vehicle does not move sideways in a turn
-  double axle_sigma = 0.3;        ///< m, 1 sigma of it, at the start; 0: exact
-  double course_sigma = 0.004;    ///< rad, 1 sigma of the way it rolls against base_link's x, at the start; 0: exact
-  double scale_sigma = 0.01;      ///< 1 sigma of what both radii have in common, at the start
-  double mismatch_sigma = 0.003;  ///< 1 sigma of a single radius beyond that
+  double axle = 0.0;              ///< m, forward of base_link: the point that does not move sideways in a turn
+  double axle_sigma = 0.3;        ///< m, 1 sigma of `axle` at the start; 0: exact
+  double course_sigma = 0.004;    ///< rad, 1 sigma at the start of the rolling direction in base_link; 0: exact
+  double scale_sigma = 0.01;      ///< 1 sigma at the start of the scale error that both radii share
+  double mismatch_sigma = 0.003;  ///< 1 sigma at the start of each radius on its own
   double track_sigma = 0.02;      ///< 1 sigma of the track width, relative
-  double max_speed = 40.0;        ///< m/s, of a wheel: beyond it the counts are taken for nonsense
+  double max_speed = 40.0;        ///< m/s, of a wheel: counts that show more are refused
 
   void visit(ConfigVisitor& v) {
     v.field("interval", interval, {0.005, 0.2}, "s, at least, over which wheel angles are differenced");
@@ -64,16 +64,16 @@ struct WheelsConfig {
   }
 };
 
-/// When the vehicle is taken to stand, and how sure that is. Wheels alone do not prove it (it may slide, be pushed, be
-/// lifted), nor does an IMU (it may roll evenly): both must agree.
+/// When the vehicle counts as standing, and how certain that is. Wheels alone do not prove it (the vehicle may slide,
+/// be pushed or be lifted), nor does the IMU (the vehicle may roll evenly): both must agree.
 struct StandstillConfig {
-  double window = 0.5;             ///< s that must have been quiet
-  double travel = 5e-4;            ///< m, at most, that each wheel moved in the window
-  double gyro_std = 0.01;          ///< rad/s, at most, in the window, each axis
-  double acceleration_std = 0.15;  ///< m/s^2, at most, in the window, each axis
-  double max_rate = 0.05;          ///< rad/s, at most, mean of gyro less bias: even turning is no standstill
+  double window = 0.5;             ///< s of quiet data required
+  double travel = 5e-4;            ///< m, maximum travel of each wheel in the window
+  double gyro_std = 0.01;          ///< rad/s, maximum standard deviation in the window, each axis
+  double acceleration_std = 0.15;  ///< m/s^2, maximum standard deviation in the window, each axis
+  double max_rate = 0.05;          ///< rad/s, maximum mean of gyro minus bias: an even turn is no standstill
   double speed_noise = 0.005;      ///< m/s, 1 sigma of a zero-velocity update
-  double rate_noise = 3e-5;        ///< rad/s/sqrt(Hz): what the zero-rate update allows besides the gyro's own noise
+  double rate_noise = 3e-5;        ///< rad/s/sqrt(Hz), noise of the zero-rate update in addition to the gyro's own
 
   void visit(ConfigVisitor& v) {
     v.field("window", window, {0.1, 10.0}, "s that must have been quiet");
@@ -86,15 +86,15 @@ struct StandstillConfig {
   }
 };
 
-/// When wheels are not believed.
+/// When wheel measurements are refused.
 struct SlipConfig {
-  double refuse = 8.0;        ///< sigma: a wheel farther off than this is left out; nearer, it only weighs less
-  double yaw_rate = 0.12;     ///< rad/s between wheels and gyro
-  double yaw_share = 0.1;     ///< and this share of the yaw rate on top
-  double speed_change = 0.3;  ///< m/s between wheels and accelerometer over `window`
+  double refuse = 8.0;        ///< sigma: a wheel beyond this is left out; nearer, its weight is reduced
+  double yaw_rate = 0.12;     ///< rad/s, difference between wheels and gyro that counts as slip
+  double yaw_share = 0.1;     ///< share of the yaw rate that is added to it
+  double speed_change = 0.3;  ///< m/s, difference between wheels and accelerometer over `window` that counts as slip
   double window = 0.3;        ///< s
   double hold = 0.3;          ///< s that slip lasts after its last sign
-  double patience = 5.0;      ///< s of refused wheels or constraint, after which the filter doubts itself instead
+  double patience = 5.0;      ///< s of refused wheels or constraint after which the filter doubts itself instead
 
   void visit(ConfigVisitor& v) {
     v.field("refuse", refuse, {3.3, 100.0}, "sigma beyond which a wheel is left out");
@@ -109,16 +109,16 @@ struct SlipConfig {
 };
 
 struct StartConfig {
-  double still = 1.0;                      ///< s of standstill for a good start
-  double patience = 5.0;                   ///< s without standstill or motion of the wheels, then it starts anyway
-  double moving = 0.3;                     ///< s of data for a start on the move
-  double gyro_bias_sigma = 0.005;          ///< rad/s, 1 sigma before anything is known
-  double accelerometer_bias_sigma = 0.03;  ///< m/s^2, 1 sigma before anything is known
-  double max_gyro_bias = 0.1;              ///< rad/s: a larger mean rate at standstill is a turn or a broken gyro
+  double still = 1.0;              ///< s of standstill for a good start
+  double patience = 5.0;           ///< s without standstill or motion of the wheels after which it starts anyway
+  double moving = 0.3;             ///< s of data for a start on the move
+  double gyro_bias_sigma = 0.005;  ///< rad/s, 1 sigma of the prior
+  double accelerometer_bias_sigma = 0.03;  ///< m/s^2, 1 sigma of the prior
+  double max_gyro_bias = 0.1;              ///< rad/s: a larger mean rate at standstill means a turn or a broken gyro
   double moving_tilt_sigma = 0.05;         ///< rad, 1 sigma of roll and pitch after a start on the move
   double moving_speed_sigma = 0.5;         ///< m/s, 1 sigma of the speed after a start on the move
-  double level_sigma = 0.005;              ///< rad, 1 sigma of roll and pitch from which on the odometry may be used
-  double level_patience = 10.0;            ///< s, after which it may be used whatever they are
+  double level_sigma = 0.005;              ///< rad, 1 sigma of roll and pitch below which the odometry may be used
+  double level_patience = 10.0;            ///< s after which the odometry may be used whatever that sigma
 
   void visit(ConfigVisitor& v) {
     v.field("still", still, {0.2, 60.0}, "s of standstill for a good start");
@@ -136,9 +136,9 @@ struct StartConfig {
 
 struct TimingConfig {
   double hold = 0.2;           ///< s of message time to wait for the other sensor: a longer delay counts as a loss
-  double max_imu_gap = 0.1;    ///< s between IMU samples that is bridged by them; beyond it the wheels carry
-  double max_wheel_gap = 0.2;  ///< s between wheel samples over which a mean speed still says something
-  double history = 2.0;        ///< s of samples that are kept, for one that comes later than the hold
+  double max_imu_gap = 0.1;    ///< s, longest gap bridged by IMU samples; beyond it the filter coasts on the wheels
+  double max_wheel_gap = 0.2;  ///< s, longest gap between wheel samples whose mean speed is still used
+  double history = 2.0;        ///< s of samples that are kept for one that comes later than the hold
   double max_jump = 1.0;       ///< s: a longer step of the stamps is a jump of the clock or a long silence
 
   void visit(ConfigVisitor& v) {
@@ -150,10 +150,10 @@ struct TimingConfig {
   }
 };
 
-/// How fast odom makes up for a correction of place and heading: it must not jump.
+/// How fast the published odom pose follows a correction of position and heading, because it must not jump.
 struct SpreadConfig {
-  double share = 0.02;    ///< m a metre driven: less than a mapper allows for (3 % and a cm a revolution)
-  double turning = 0.01;  ///< rad/s, while moving: as a gyro may turn whose bias is not known yet
+  double share = 0.02;    ///< m per metre driven: less than a mapper allows for (3 % and 1 cm per revolution)
+  double turning = 0.01;  ///< rad/s while moving: a rate that a gyro with an unknown bias may show as well
 
   void visit(ConfigVisitor& v) {
     v.field("share", share, {0.0, 1.0}, "m a metre driven by which odom makes up for corrections of its place");
@@ -161,11 +161,11 @@ struct SpreadConfig {
   }
 };
 
-/// How the mapper's poses are taken back.
+/// How the mapper's poses correct the filter (`fuse_map`).
 struct MapFusionConfig {
-  double baseline = 0.5;  ///< s at least between two poses that are compared
-  double delay = 0.3;     ///< s of message time after a pose's stamp at which it takes effect; later, it is late
-  double translation_noise = 0.005;  ///< m, 1 sigma of a pose, beside what MAP_POSE says
+  double baseline = 0.5;  ///< s, minimum time between two poses that are compared
+  double delay = 0.3;  ///< s of message time from a pose's stamp to its effect; a pose that arrives after that is late
+  double translation_noise = 0.005;  ///< m, 1 sigma of a pose in addition to the covariance in MAP_POSE
   double rotation_noise = 5e-4;      ///< rad, likewise
 
   void visit(ConfigVisitor& v) {
@@ -186,7 +186,7 @@ struct EkfConfig {
   StandstillConfig standstill;
   SlipConfig slip;
   SpreadConfig spread;
-  std::string state_file;  ///< what the filter believes, ten times a second, for its successor; empty: none
+  std::string state_file;  ///< the belief, saved ten times a second for a successor process; empty: none
   bool fuse_map = false;
   MapFusionConfig map;
 

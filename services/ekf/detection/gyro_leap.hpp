@@ -9,22 +9,22 @@
 
 namespace curbstone::ekf::detection {
 
-/// A gyro whose bias about the vertical leaps: from one interval of the wheels to the next but one it shows another
-/// rate, and goes on showing it, while the wheels turn as before. A vehicle that begins to turn shows it by its wheels
-/// too, and a wheel that slips leaves the gyro's rate as it is. Consecutive intervals go in; a leap comes out half a
-/// second late. A value type; one thread.
+/// Detects a leap of the gyro's bias about the vertical: the gyro's rate changes from one wheel interval to the next
+/// but one and keeps its new value, while the wheels turn as before. When the vehicle begins to turn, the wheels show
+/// the turn too; when a wheel slips, the gyro's rate does not change. Takes consecutive intervals and reports a leap
+/// half a second late. A value type; one thread.
 class GyroLeap {
  public:
   static constexpr double kLeast = 0.0087;  ///< rad/s: 0.5 deg/s
 
   struct Leap {
-    double rate = 0.0;       ///< rad/s, that the gyro shows too much since
-    double sigma = 0.0;      ///< rad/s, of that
-    double seconds = 0.0;    ///< ago
-    model::NavState before;  ///< what the filter had learnt until then: since, it has learnt nonsense
+    double rate = 0.0;       ///< rad/s that the gyro has shown in excess since the leap
+    double sigma = 0.0;      ///< rad/s, 1 sigma of `rate`
+    double seconds = 0.0;    ///< s since the leap
+    model::NavState before;  ///< the state before the leap: what the filter has learnt since is wrong
   };
-  /// An interval's mean yaw rates, rad/s, as the wheels and the gyro show it: nothing that the filter learns meanwhile
-  /// is in them.
+  /// Adds an interval's mean yaw rates, rad/s, of wheels and gyro, both without any correction that the filter learns
+  /// meanwhile.
   std::optional<Leap> add(double seconds, double by_wheels, double by_gyro, const model::NavState& state) {
     std::rotate(intervals_.begin(), intervals_.begin() + 1, intervals_.end());
     intervals_.back() = {seconds, by_wheels, by_gyro, state};
@@ -44,23 +44,23 @@ class GyroLeap {
     interrupt();
     return leap;
   }
-  /// Intervals are missing.
+  /// Call it where intervals are missing.
   void interrupt() { known_ = 0; }
 
  private:
-  static constexpr std::size_t kSide = 10;  // intervals before, and after
+  static constexpr std::size_t kSide = 10;  // intervals on each side of the leap
   static constexpr std::size_t kIntervals = 2 * kSide + 1;
-  static constexpr double kSteady = 0.25;  // of the leap: 1 sigma of an interval
-  // Of the leap: how much more or less the gyro may change from the one to the other side, and the wheels at all. A
-  // gyro that shows up to 2.8 times the turn does not leap at the beginning of a bend by that.
+  static constexpr double kSteady = 0.25;  // 1 sigma of an interval, as a share of the leap
+  // As shares of the leap: by how much the gyro's step may differ from the leap, and by how much the wheels' rate may
+  // change. With these bounds a gyro that shows up to 2.8 times the turn is not reported at the beginning of a bend.
   static constexpr double kSudden = 0.3, kQuiet = 0.25;
   struct Interval {
     double seconds, by_wheels, by_gyro;
     model::NavState state;
   };
   struct Rates {
-    double apart = 0.0;     // rad/s, mean of what the gyro shows more than the wheels
-    double variance = 0.0;  // of an interval
+    double apart = 0.0;     // rad/s, mean of the gyro's rate minus the wheels'
+    double variance = 0.0;  // of a single interval
     double seconds = 0.0;
   };
   [[nodiscard]] Rates rates(std::size_t begin) const {

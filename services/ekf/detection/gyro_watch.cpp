@@ -7,12 +7,12 @@ namespace curbstone::ekf::detection {
 
 namespace {
 
-constexpr std::int64_t kPause = 1'000'000;  // us, after which nothing is known of a run
-constexpr int kOften = 15;                  // changes by fine steps that are no coincidence
+constexpr std::int64_t kPause = 1'000'000;  // us, after which a run restarts
+constexpr int kOften = 15;                  // changes by fine steps, more than coincidence
 constexpr int kBlock = 300;                 // changes over which a coarse step is learnt
-constexpr int kLongRun = 5;                 // repeats: an axis that does so is not believed again yet
-constexpr double kMostly = 0.8;             // of the samples in which another axis changes, in which both do
-constexpr std::int64_t kLeast = 250'000;    // us, of a run: what a gyro filters to 5 Hz is new by then
+constexpr int kLongRun = 5;                 // repeats after which an axis is not trusted again yet
+constexpr double kMostly = 0.8;  // share of the samples with a change of another axis in which both others change
+constexpr std::int64_t kLeast = 250'000;  // us, shortest run: a gyro with a 5 Hz filter has a new value by then
 
 }  // namespace
 
@@ -72,7 +72,7 @@ void GyroWatch::judge(std::size_t i, std::int64_t utime, const Eigen::Vector3d& 
   axis.stuck = axis.stuck || proven(axis, utime);
 }
 
-/// While the third axis goes on: whether the two others have got stuck together.
+/// Decides, while the third axis changes, whether the two others have got stuck together.
 void GyroWatch::judge_others(std::size_t third, std::int64_t utime, const Eigen::Vector3d& change) {
   Axis& axis = axes_[third];
   Axis& one = axes_[(third + 1) % 3];

@@ -7,37 +7,38 @@
 
 namespace curbstone::ekf::detection {
 
-/// Axes of a gyro that are stuck: they show the same rate, bit for bit, while both others change with each sample.
+/// Detects stuck axes of a gyro: axes that show the same rate, bit for bit, while both others change with each sample.
 ///
-/// Noise makes that impossible where the gyro's steps are fine. A MEMS gyro's noise of 0.005 to 0.01 deg/s/sqrt(Hz) is
-/// 0.3 mrad/s and more, in 10 Hz; a device that has shown steps of kFine or less repeats a value by chance in a third
-/// of the samples, and kRun times in a row never. A coarse one (the steps of a WitMotion are 1.07 mrad/s) may repeat
-/// for minutes on a smooth floor. So the others must show that it shakes, by kShaking of its steps from sample to
-/// sample, for kLong: no vehicle that shakes like that does not turn by one step.
+/// Where the gyro's steps are fine, noise makes that impossible in a healthy axis. The noise of a MEMS gyro, 0.005 to
+/// 0.01 deg/s/sqrt(Hz), is 0.3 mrad/s or more in 10 Hz of bandwidth; a device that has shown steps of kFine or less
+/// repeats a value by chance in a third of the samples, and never kRun times in a row. A coarse gyro (the steps of a
+/// WitMotion are 1.07 mrad/s) may repeat for minutes on a smooth floor. There the other two axes must change by
+/// kShaking steps from sample to sample for kLong: a vehicle that shakes that much also turns by one step about the
+/// third axis.
 ///
-/// Two axes that get stuck in the same moment are found where the third changes for kPair, if the steps are fine and
-/// both have changed kLived times before: so it is no gyro about one axis. Of a device that sets to zero what is small
-/// two axes may be zero for as long as they like; so zeros count only where less than kFine has been shown before.
-/// Where all repeat nothing is said: it stands, or sends each sample twice.
+/// Two axes that get stuck in the same moment are detected when the third changes for kPair, if the steps are fine and
+/// both axes have changed kLived times before, which excludes a gyro with one axis. A device with a dead zone may show
+/// zero on two axes for any time, so zeros count only if a value below kFine has been shown before. While all three
+/// axes repeat nothing is decided: the vehicle stands, or the device sends each sample twice.
 ///
-/// The driver finds axes that show a rate which no bias explains for 0.5 s, of any gyro: what it says is believed.
+/// The driver detects, in any gyro, an axis that shows a rate which no bias explains for 0.5 s. Its report is accepted.
 ///
 /// A value type; one thread. Frame imu, rad/s, us.
 class GyroWatch {
  public:
   static constexpr double kFine = 3e-4;              ///< rad/s
-  static constexpr int kRun = 25;                    ///< samples in which both others have changed
+  static constexpr int kRun = 25;                    ///< samples in which both other axes have changed
   static constexpr double kShaking = 8.0;            ///< steps
   static constexpr std::int64_t kLong = 10'000'000;  ///< us
   static constexpr std::int64_t kPair = 1'000'000;   ///< us
   static constexpr int kLived = 100;                 ///< samples
-  static constexpr std::int64_t kTrust = 2'000'000;  ///< us of changes after which an axis is believed again
+  static constexpr std::int64_t kTrust = 2'000'000;  ///< us of changes after which an axis is trusted again
 
-  /// The next sample, and which axes its driver calls stuck. After a pause of more than a second, or where the stamps
-  /// go back, runs begin anew.
+  /// Adds the next sample and the axes that its driver reports as stuck. After a pause of more than a second, or where
+  /// the stamps go back, the runs restart.
   void add(std::int64_t utime, const Eigen::Vector3d& rate, const std::array<bool, 3>& stuck_by_driver = {});
   [[nodiscard]] bool stuck(int axis) const { return axes_[static_cast<std::size_t>(axis)].stuck; }
-  /// us, since when an axis has shown the same rate.
+  /// us, time since which the axis has shown the same rate.
   [[nodiscard]] std::int64_t since(int axis) const { return axes_[static_cast<std::size_t>(axis)].since; }
 
  private:
@@ -45,13 +46,13 @@ class GyroWatch {
     bool stuck = false;
     std::int64_t since = 0;          // us
     int repeats = 0;                 // samples in a row
-    std::int64_t moving = 0;         // of these, in which another one has changed
-    std::int64_t alone = 0;          // of these, in which both have
+    std::int64_t moving = 0;         // of these, samples in which another axis has changed
+    std::int64_t alone = 0;          // of these, samples in which both others have changed
     double shaking = 0.0;            // rad/s, sum over these of the smaller change of the two
     std::int64_t moved = 0;          // us, since when it has changed without a long run
-    int lived = 0;                   // changes, kLived at most
-    std::int64_t others_repeat = 0;  // samples in a row in which both others have shown the same
-    std::int64_t goes_on = 0;        // of these, in which this one has changed
+    int lived = 0;                   // number of changes, at most kLived
+    std::int64_t others_repeat = 0;  // samples in a row in which both others have repeated
+    std::int64_t goes_on = 0;        // of these, samples in which this axis has changed
   };
   void learn_steps(const Eigen::Vector3d& change);
   void judge(std::size_t axis, std::int64_t utime, const Eigen::Vector3d& change);
@@ -61,11 +62,11 @@ class GyroWatch {
   std::array<Axis, 3> axes_;
   Eigen::Vector3d last_ = Eigen::Vector3d::Zero();
   std::int64_t last_utime_ = 0;
-  int fine_changes_ = 0;     // by kFine at most, of all axes
-  double least_ = INFINITY;  // rad/s, that an axis has shown and is not zero
-  int changes_ = 0;          // of the present block, of all axes
-  double block_step_ = 0.0;  // rad/s, the least of them
-  double step_ = 0.0;        // rad/s, the least of the block before; 0: not known yet
+  int fine_changes_ = 0;     // changes by at most kFine, of all axes
+  double least_ = INFINITY;  // rad/s, smallest value other than zero that an axis has shown
+  int changes_ = 0;          // of the current block, all axes
+  double block_step_ = 0.0;  // rad/s, the smallest change of the current block
+  double step_ = 0.0;        // rad/s, the smallest change of the block before; 0: not known yet
 };
 
 }  // namespace curbstone::ekf::detection

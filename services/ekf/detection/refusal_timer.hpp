@@ -7,11 +7,11 @@
 
 namespace curbstone::ekf::detection {
 
-/// How long a sensor has been refused without a break. Whatever disagrees for seconds on end is more likely right than
-/// a filter that integrates alone.
+/// Measures how long a sensor has been refused without a break. A sensor that disagrees for seconds on end is more
+/// likely right than a filter that integrates alone.
 class RefusalTimer {
  public:
-  /// Says once that it has lasted for `patience` s, and begins anew.
+  /// Returns true once when the refusals have lasted for `patience` s, then restarts.
   [[nodiscard]] bool lasts(bool refused, std::int64_t utime, double patience) {
     if (!refused) {
       since_.reset();

@@ -6,7 +6,7 @@ namespace curbstone::ekf::detection {
 
 namespace {
 
-constexpr double kLevellingFloor = 0.01;  // m/s^2: what a second's mean of a standing vehicle does not average out
+constexpr double kLevellingFloor = 0.01;  // m/s^2: what the mean over a second at standstill does not average out
 
 base::StandstillConfig with_window(base::StandstillConfig config, double window) {
   config.window = window;
@@ -18,7 +18,7 @@ struct WheelFit {
   double acceleration = 0.0;  // m/s^2
 };
 
-/// From the mean speeds of the window's two halves.
+/// Fits speed and acceleration to the mean speeds of the window's two halves.
 WheelFit fit(const std::deque<base::WheelSample>& wheels, double radius) {
   if (wheels.size() < 3) return {};
   const base::WheelSample& a = wheels.front();
@@ -124,7 +124,7 @@ model::Belief StartUp::prior(std::int64_t utime, const Eigen::Vector3d& up) cons
   return belief;
 }
 
-/// The IMU stands where the origin and the attitude put it: its position errs with the attitude alone.
+/// Places the IMU by base_link's origin and the attitude: its position error depends on the attitude error alone.
 void StartUp::fix_origin(model::Belief& belief) const {
   const Eigen::Matrix3d R = belief.mean.attitude.toRotationMatrix();
   belief.mean.position = -(R * geometry_.to_base);

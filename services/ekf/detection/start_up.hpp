@@ -8,18 +8,18 @@
 
 namespace curbstone::ekf::detection {
 
-/// Radii and track as configured, with the prior's covariance.
+/// Resets radii and track to the configured values, with the prior's covariance.
 void forget_wheel_scale(model::Belief& belief, const base::WheelsConfig& config);
-/// Likewise the axle's place and course.
+/// Resets the axle's place and course likewise.
 void forget_axle(model::Belief& belief, const base::WheelsConfig& config);
-/// Likewise the accelerometer's bias: none.
+/// Resets the accelerometer's bias likewise, to zero.
 void forget_accelerometer_bias(model::Belief& belief, const base::StartConfig& config);
 
-/// Finds the first belief. At standstill the mean specific force levels the attitude and the mean rate is the gyro's
-/// bias; both are applied as measurements to a wide prior, so that the covariance knows that a tilt error and an
-/// accelerometer bias are one and the same at rest. A vehicle that drives already is started on the move, with the
-/// wheels' speed and, for gravity, what is left of the specific force without the wheels' acceleration.
-/// base_link is the origin of odom, and its yaw is 0, by definition: their covariance is zero.
+/// Computes the first belief. At standstill the mean specific force levels the attitude, and the mean rate is the
+/// gyro's bias. Both are applied as measurements to a wide prior, so that the covariance holds that at rest a tilt
+/// error and an accelerometer bias cannot be told apart. A vehicle that drives already is started on the move, with the
+/// wheels' speed, and levelled by the specific force minus the wheels' acceleration. base_link is the origin of odom
+/// with yaw 0 by definition, so the covariance of both is zero.
 class StartUp {
  public:
   enum class Kind { kStanding, kMoving, kImpatient };
@@ -27,11 +27,11 @@ class StartUp {
   explicit StartUp(const base::EkfConfig& config);
 
   void add(const base::WheelSample& sample);
-  /// How noisy the IMU is: what disturbs the prediction, and 1 sigma of its samples as of StillDetector::set_noise().
+  /// Sets the noise of the IMU: the process noise, and 1 sigma of a sample as in StillDetector::set_noise().
   void set_noise(const base::NoiseConfig& noise, double gyro, double accelerometer);
-  /// A belief at the sample's time once enough is known.
+  /// Returns a belief at the sample's time once enough is known.
   [[nodiscard]] std::optional<model::Belief> add(const base::ImuSample& sample);
-  /// How it went, once started.
+  /// How the filter was started; valid once it was.
   [[nodiscard]] Kind kind() const { return kind_; }
   void reset();
 

@@ -8,9 +8,9 @@ namespace {
 
 constexpr std::size_t kMaxStillSamples = 4096;  // bound, whatever the stamps say
 constexpr double kManyTravels = 20.0;
-constexpr double kOfNoise = 1.3;  // of its standard deviation: a window's own differs
+constexpr double kOfNoise = 1.3;  // times the noise's standard deviation: that of a single window varies
 
-/// Keeps what is needed to cover `window` seconds up to the newest: one sample may be older.
+/// Drops samples that are not needed to cover `window` seconds up to the newest: one sample may be older.
 template <class Sample>
 void trim(std::deque<Sample>& samples, double window) {
   while (samples.size() > 2 && base::seconds_between(samples[1].utime, samples.back().utime) >= window)
@@ -41,7 +41,7 @@ void StillDetector::add(const base::ImuSample& sample) {
     rate_variance += (s.angular_rate - mean_rate_).array().square() / n;
     acceleration_variance += (s.acceleration - mean_acceleration_).array().square() / n;
   }
-  // A single sample far off ends the standstill before the variance has noticed.
+  // A single sample that is far off ends the standstill before the variance shows it.
   const double gyro_std = std::max(config_.gyro_std, kOfNoise * noise_[0]);
   const double acceleration_std = std::max(config_.acceleration_std, kOfNoise * noise_[1]);
   const bool jerked = (sample.angular_rate - mean_rate_).cwiseAbs().maxCoeff() > 5.0 * gyro_std ||

@@ -8,8 +8,8 @@
 
 namespace curbstone::ekf::detection {
 
-/// Whether the vehicle stands: wheels without travel AND a quiet IMU over the last `window` seconds. The variance of
-/// the IMU is asked, not its value, which is mostly bias.
+/// Decides whether the vehicle stands: wheels without travel AND a quiet IMU over the last `window` seconds. The test
+/// uses the variance of the IMU and not its value, which is mostly bias.
 class StillDetector {
  public:
   StillDetector(const base::StandstillConfig& config, double wheel_radius, double max_wheel_gap)
@@ -17,18 +17,19 @@ class StillDetector {
 
   void add(const base::ImuSample& sample);
   void add(const base::WheelSample& sample);
-  /// 1 sigma of the IMU's samples (rad/s, m/s^2) where it is noisier than usual: so much is quiet for it.
+  /// 1 sigma of an IMU sample (rad/s, m/s^2) where the IMU is noisier than configured: raises the thresholds
+  /// accordingly.
   void set_noise(double gyro, double accelerometer) { noise_ = {gyro, accelerometer}; }
   void reset();
 
-  /// As of the newest IMU sample. `gyro_bias` (imu frame) tells a quiet turn from a quiet stand.
+  /// State as of the newest IMU sample. `gyro_bias` (imu frame) tells an even turn from a standstill.
   [[nodiscard]] bool still(const Eigen::Vector3d& gyro_bias) const;
-  /// Neither wheel travels.
+  /// Whether neither wheel travels.
   [[nodiscard]] bool wheels_rest() const;
-  /// Both wheels have travelled by far more than noise.
+  /// Whether both wheels have travelled by far more than noise.
   [[nodiscard]] bool wheels_turn() const;
 
-  /// Means of the IMU over the window, imu frame; `span` is how many seconds of it there are.
+  /// Means of the IMU over the window, imu frame; `span` is the length of the data in it, s.
   [[nodiscard]] const Eigen::Vector3d& mean_rate() const { return mean_rate_; }
   [[nodiscard]] const Eigen::Vector3d& mean_acceleration() const { return mean_acceleration_; }
   [[nodiscard]] double span() const;

@@ -6,14 +6,14 @@
 
 namespace curbstone::ekf::detection {
 
-/// Whether wheels and gyro have shown the same turn over the last second: two sensors of which neither knows the other.
-/// A gyro whose scale or bias is wrong, a wrong track width or radius and a wheel that slips make them differ.
-/// Consecutive intervals of the wheels go in. A value type; one thread.
+/// Decides whether wheels and gyro, two independent sensors, have shown the same turn over the last second. A wrong
+/// scale or bias of the gyro, a wrong track width or radius, and a slipping wheel make them differ. Takes consecutive
+/// intervals of the wheels. A value type; one thread.
 class TurnConfirmation {
  public:
   static constexpr double kMostApart = 0.009;  ///< rad in that second: 0.5 deg
 
-  /// An interval's mean yaw rates, rad/s: by the wheels, and by the gyro less its bias.
+  /// Adds an interval's mean yaw rates, rad/s: of the wheels, and of the gyro minus its bias.
   void add(double seconds, double by_wheels, double by_gyro) {
     open_.seconds += seconds;
     open_.apart += seconds * (by_wheels - by_gyro);
@@ -23,7 +23,7 @@ class TurnConfirmation {
     open_ = {};
     known_ = std::min(known_ + 1, kParts);
   }
-  /// Intervals are missing.
+  /// Call it where intervals are missing.
   void interrupt() {
     open_ = {};
     known_ = 0;
@@ -35,11 +35,11 @@ class TurnConfirmation {
   }
 
  private:
-  static constexpr double kSpan = 1.0;  // s, at least
+  static constexpr double kSpan = 1.0;  // s, minimum span
   static constexpr int kParts = 10;
   struct Part {
     double seconds = 0.0;
-    double apart = 0.0;  // rad, by which the wheels turned more than the gyro
+    double apart = 0.0;  // rad, turn of the wheels minus that of the gyro
   };
   std::array<Part, kParts> parts_{};  // newest last
   int known_ = 0;

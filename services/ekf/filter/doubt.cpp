@@ -14,7 +14,7 @@ void widen(model::Belief& belief, int index, double sigma) {
   belief.covariance.diagonal().segment<3>(index).array() += sigma * sigma;
 }
 
-/// m, that a vehicle makes which speeds up evenly to `speed` within the memory of what finds it.
+/// m, distance of a vehicle that accelerates evenly to `speed` within StandingMotion's memory.
 double way_since_standing(double speed) {
   return 0.5 * speed * detection::StandingMotion::kMemory;
 }
@@ -37,7 +37,7 @@ void doubt_since_gap(model::Belief& belief, double gap, const base::StartConfig&
 void doubt_since_killed(model::Belief& belief, double gap) {
   constexpr double kAcceleration = 3.0;  // m/s^2
   constexpr double kTilting = 0.02;      // rad/s
-  constexpr double kTurning = 0.5;       // rad/s, about the vertical: no measurement depends on it
+  constexpr double kTurning = 0.5;       // rad/s, about the vertical: no measurement corrects it
   belief.mean.position += belief.mean.attitude * belief.mean.velocity * gap;
   const Eigen::Vector3d yaw_axis = belief.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
   widen(belief, model::kPosition, 0.5 * kAcceleration * gap * gap + kTurning * gap * belief.mean.velocity.norm() * gap);
@@ -71,10 +71,10 @@ void doubt_standing(model::Estimate& estimate, double speed) {
 
 void doubt_astray(model::Belief& belief, const wheel_faults::WheelDispute::Astray& astray,
                   const base::StartConfig& config) {
-  constexpr double kCoastingBias = 0.015;  // m/s^2: what no wheel keeps in check; 1.5 milli-g
+  constexpr double kCoastingBias = 0.015;  // m/s^2, 1.5 milli-g: error that no wheel corrects while coasting
   widen(belief, model::kAccelerometerBias, kCoastingBias);
   if (astray.speed <= 0) return;
-  const double acceleration = kGravity * config.level_sigma;  // that its tilt has fooled it with since
+  const double acceleration = kGravity * config.level_sigma;  // error due to the tilt since then
   const double since = astray.seconds;
   widen(belief, model::kVelocity, std::hypot(astray.speed, acceleration * since));
   widen(belief, model::kPosition, std::hypot(astray.place, 0.5 * acceleration * since * since));

@@ -10,9 +10,9 @@ namespace curbstone::ekf::filter {
 
 namespace {
 
-constexpr std::size_t kRecent = 1024;     // poses: 2.5 s at 400 Hz
-constexpr double kMostForce = 5.0;        // m/s^2: braking and rough roads; the vehicle was not laid on its side
-constexpr std::size_t kMaxPending = 256;  // wheel samples between two of the IMU
+constexpr std::size_t kRecent = 1024;  // poses: 2.5 s at 400 Hz
+constexpr double kMostForce = 5.0;     // m/s^2: braking and rough roads; more means that the vehicle lies on its side
+constexpr std::size_t kMaxPending = 256;  // wheel samples between two IMU samples
 
 const char* name_of(detection::StartUp::Kind kind) {
   switch (kind) {
@@ -79,7 +79,7 @@ void Filter::add(const base::ImuSample& measured, std::vector<model::Estimate>& 
   if (pending_increment_ && pending_increment_->utime <= sample.utime) correct_with_map();
 }
 
-/// An IMU that is noisier than configured is believed less by all that compares it with the wheels.
+/// Reduces the weight of an IMU that is noisier than configured wherever it is compared with the wheels.
 void Filter::follow_noise(const base::ImuSample& sample) {
   imu_noise_.add(sample);
   noise_ = imu_noise_.applied_to(config_->noise);
@@ -166,12 +166,12 @@ void Filter::update_level() {
   if (level_.look(sigma, standing_, belief_.utime, config_->start)) counters_.add("level.lost");
 }
 
-/// What the belief says of a gyro's axis that has got stuck, or lives again, is not what it was.
+/// Adapts the belief to gyro axes that have got stuck, or work again.
 void Filter::follow_axes() {
   const Pose before = model::base_pose(belief_.mean, geometry_);
   if (!axes_.follow(belief_, mechanisation_.wheel_yaw_rate(), standing_, counters_)) return;
   smoother_.corrected(before, model::base_pose(belief_.mean, geometry_));
-  if (axes_.declared_stuck()) {  // it has shown nonsense for long, and the wheels were learnt from it
+  if (axes_.declared_stuck()) {  // the gyro has been wrong for long, and wheels and axle were learnt from it
     detection::forget_wheel_scale(belief_, config_->wheels);
     detection::forget_axle(belief_, config_->wheels);
   }

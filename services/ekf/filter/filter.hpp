@@ -29,54 +29,57 @@
 
 namespace curbstone::ekf::filter {
 
-/// Error-state Kalman filter of wheels and IMU. The equations are in process_model.hpp and measurement_model.hpp, the
-/// state in error_state.hpp; here is what is done when:
+/// Error-state Kalman filter of wheels and IMU. process_model.hpp and measurement_model.hpp have the equations,
+/// error_state.hpp has the state. This class decides what is done when:
 ///
-/// - start-up (StartUp); then every IMU sample predicts from the sample before, by the difference of the stamps, with
-///   wheel samples between the two served at their own times (Mechanisation);
-/// - every interval of the wheels corrects: driving, by both wheels' speeds and the non-holonomic constraint; standing,
-///   by zero velocity and zero rate. A wheel that slips is left out (SlipJudge);
-/// - the mapper's increments, if given, correct speed, gyro bias and with them the wheels' calibration;
-/// - without IMU it coasts on the wheels, without wheels on the IMU and the constraint; both heal by themselves;
-/// - an axis of the gyro that is stuck is done without (LostAxes).
+/// - Start-up (StartUp). Then every IMU sample predicts from the sample before, by the difference of the stamps; wheel
+///   samples between the two are processed at their own times (Mechanisation).
+/// - Every interval of the wheels corrects: while driving, with both wheels' speeds and the non-holonomic constraint;
+///   while standing, with zero velocity and zero rate. A wheel that slips is left out (SlipJudge).
+/// - The mapper's increments, if given, correct speed, gyro bias and with them the wheels' calibration.
+/// - Without an IMU the filter coasts on the wheels, without wheels on the IMU and the constraint. It returns from both
+///   by itself.
+/// - A gyro axis that is stuck is not used (LostAxes).
 ///
-/// What a correction moves position or heading by is spread over the way that follows (OdomSmoother).
+/// The correction of position and heading is spread over the distance that follows (OdomSmoother).
 ///
 /// Takes samples in the order of their stamps (Sequencer, RewindingFilter). A stamp that goes back, or a step of more
-/// than timing.max_jump, restarts the clock: the pose stays where it is, speed and tilt are doubted.
+/// than timing.max_jump, restarts the clock: the pose is kept, and the covariance of position, speed and tilt is
+/// widened.
 ///
-/// A value type without clock or threads: a copy is a check point from which it can go on.
+/// A value type without clock or threads: a copy is a check point from which it can continue.
 class Filter {
  public:
   explicit Filter(const base::EkfConfig& config);
 
-  /// Before any sample: what a filter that was killed believed last. It is gone on with if the first IMU sample comes
-  /// within kInheritance of it and its specific force fits; else the filter starts as if there were none.
+  /// Sets the last belief of a killed filter. Call it before any sample. The filter continues from it if the first IMU
+  /// sample comes within kInheritance of it and its specific force fits; otherwise the filter starts as if there were
+  /// none.
   void inherit(const model::Belief& belief) { predecessor_ = belief; }
   static constexpr double kInheritance = 2.0;  ///< s
 
-  /// Appends to `out` one estimate at the sample's stamp, once started.
+  /// Appends to `out` one estimate at the sample's stamp, once the filter has started.
   void add(const base::ImuSample& measured, std::vector<model::Estimate>& out);
-  /// Appends estimates only while there is no IMU: at the wheels' stamps.
+  /// Appends estimates at the wheels' stamps, only while there is no IMU.
   void add(const base::WheelSample& sample, std::vector<model::Estimate>& out);
-  /// Takes effect with the first IMU sample that is not before its end.
+  /// Takes effect with the first IMU sample that is not before the increment's end.
   void add(const inputs::MapIncrement& increment) { pending_increment_ = increment; }
 
   [[nodiscard]] bool started() const { return started_; }
-  /// Roll and pitch are known to start.level_sigma, or as well as they will be.
+  /// Roll and pitch are known to start.level_sigma, or start.level_patience has passed.
   [[nodiscard]] bool level() const { return level_.level(); }
-  /// Which wheels are withheld because they have been wrong for long.
+  /// Wheels that are withheld because they have been wrong for long.
   [[nodiscard]] const wheel_faults::WheelWatch& wheel_watch() const { return watch_; }
-  /// Which axes of the gyro are done without because they are stuck. In the belief the bias of such an axis stands for
-  /// the rate; for another filter to inherit, take axes().with_biases(belief()).
+  /// Gyro axes that are not used because they are stuck. In the belief the bias of such an axis represents the rate;
+  /// for another filter to inherit, take axes().with_biases(belief()).
   [[nodiscard]] const LostAxes& axes() const { return axes_; }
   struct LeaptGyro {
-    std::int64_t utime = 0;  ///< us, when it was found
+    std::int64_t utime = 0;  ///< us, time of detection
     double rate = 0.0;       ///< rad/s
   };
-  /// The last leap of the gyro's bias about the vertical.
+  /// The latest leap of the gyro's bias about the vertical.
   [[nodiscard]] const std::optional<LeaptGyro>& gyro_leapt() const { return gyro_leapt_; }
-  /// How noisy the IMU is.
+  /// Measured noise of the IMU.
   [[nodiscard]] const inputs::ImuNoise& imu_noise() const { return imu_noise_; }
   [[nodiscard]] const model::Belief& belief() const { return belief_; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
@@ -128,10 +131,10 @@ class Filter {
   [[nodiscard]] bool wheels_missing(std::int64_t utime) const;
   [[nodiscard]] bool turn_confirmed(const model::Estimate& estimate) const;
 
-  std::shared_ptr<const base::EkfConfig> config_;  // never changes: check points share it
+  std::shared_ptr<const base::EkfConfig> config_;  // immutable: check points share it
   model::Geometry geometry_;
   inputs::ImuNoise imu_noise_;
-  base::NoiseConfig noise_;  // as configured, or as the IMU is
+  base::NoiseConfig noise_;  // as configured, or as measured where that is larger
   inputs::ImuNoise::Excess excess_;
   detection::StartUp start_up_;
   detection::StillDetector still_;
@@ -145,7 +148,7 @@ class Filter {
   detection::RefusalTimer wheels_refused_;
   detection::RefusalTimer constraint_refused_;
   OdomSmoother smoother_;
-  PoseHistory recent_;  // uncorrected: what the mapper's increments are compared with
+  PoseHistory recent_;  // uncorrected poses, to compare the mapper's increments with
   Counters counters_;
 
   bool started_ = false;
@@ -154,14 +157,14 @@ class Filter {
   LostHeading heading_;
   detection::StandingMotion standing_motion_;
   std::optional<Launch> launch_;
-  bool disowned_ = false;  // the wheels, since a launch
+  bool disowned_ = false;  // the wheels are disowned since a launch
   detection::LevelWatch level_;
   std::optional<model::Belief> predecessor_;
   model::Belief belief_;
-  model::Belief last_good_;                  // the last one that was finite
-  std::deque<base::WheelSample> pending_;    // wait for the IMU sample after them
+  model::Belief last_good_;                  // the latest finite belief
+  std::deque<base::WheelSample> pending_;    // waiting for the IMU sample after them
   std::optional<std::int64_t> last_wheels_;  // us
-  std::int64_t emitted_ = 0;                 // us, the last estimate
+  std::int64_t emitted_ = 0;                 // us, of the latest estimate
   std::optional<inputs::MapIncrement> pending_increment_;
 };
 

@@ -1,4 +1,4 @@
-// What corrects the filter: an interval of the wheels, standing, the vehicle's constraint, the map.
+// The filter's corrections: an interval of the wheels, standstill, the non-holonomic constraint, the map.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,10 +12,10 @@ namespace curbstone::ekf::filter {
 
 namespace {
 
-constexpr double kMaxAxleError = 4.0;  // sigma: farther from its configured place it was learnt from nonsense
-constexpr double kFreshDispute = 0.5;  // s that wheels may be refused by a filter that has just been levelled
+constexpr double kMaxAxleError = 4.0;  // sigma: farther from the configured place it was learnt from wrong data
+constexpr double kFreshDispute = 0.5;  // s for which a filter that has just been levelled may refuse the wheels
 
-/// Says nothing, and changes nothing.
+/// An observation without effect.
 model::Observation no_observation() {
   model::Observation z(1);
   z.R(0, 0) = 1.0;
@@ -71,7 +71,7 @@ void Filter::compare_turns(const inputs::WheelInterval& interval) {
   if (leap) follow_gyro(*leap);
 }
 
-/// The gyro's bias has leapt: what it has turned the heading and led the place astray by since then is put back.
+/// Corrects a leap of the gyro's bias: removes its effect on heading and position since then.
 void Filter::follow_gyro(const detection::GyroLeap::Leap& leap) {
   counters_.add("gyro_leaps");
   gyro_leapt_ = {belief_.utime, leap.rate};
@@ -90,7 +90,7 @@ void Filter::interrupt_turns() {
   gyro_leap_.interrupt();
 }
 
-/// Wheels that a launch disowns are refused, until they agree or are found faulty.
+/// Refuses wheels that a launch disowns until they agree or are found faulty.
 void Filter::judge_launch(const inputs::WheelInterval& interval) {
   if (!launch_ && !disowned_) return;
   std::array<double, 2> sigma{};
@@ -113,7 +113,7 @@ void Filter::judge_launch(const inputs::WheelInterval& interval) {
   if (disowned_) slip_.accuse(interval.end);
 }
 
-/// Both wheels' speeds and the non-holonomic constraint, in one update.
+/// Applies both wheels' speeds and the non-holonomic constraint in one update.
 void Filter::correct_driving(const inputs::WheelInterval& interval) {
   judge_launch(interval);
   const model::BodyMotion motion = mechanisation_.window().motion();
@@ -141,8 +141,8 @@ std::array<model::Observation, 2> Filter::observe_wheels(const inputs::WheelInte
   return {observe(0), observe(1)};
 }
 
-/// A wheel that is faulty or slips is left out, one beyond the gate is softened. True if no wheel is left, though not
-/// both are faulty.
+/// Leaves out a wheel that is faulty or slips, and softens one beyond the gate. Returns true if no wheel is left,
+/// though not both are faulty.
 bool Filter::gate_wheels(const inputs::WheelInterval& interval, std::array<model::Observation, 2>& rows) {
   bool refused = !watch_.all_faulty();
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
@@ -167,8 +167,9 @@ void Filter::reset_strayed_axle() {
   detection::forget_axle(belief_, config_->wheels);
 }
 
-/// Whether the filter's motion is wrong: the wheels have been refused for long and are not the ones at fault, or no
-/// vehicle is so fast. Wheels that are refused as soon as it is level are not at fault: it was levelled wrong.
+/// Whether the filter's motion is wrong: the wheels have been refused for long and are not at fault, or the speed is
+/// beyond any vehicle's. Wheels that are refused as soon as the filter is level are not at fault: it was levelled
+/// wrong.
 bool Filter::refutes_motion(const model::BodyMotion& motion, bool refused) {
   const bool fresh = level_.is_fresh(belief_.utime);
   const bool disputed = wheels_refused_.lasts(refused, belief_.utime, fresh ? kFreshDispute : config_->slip.patience);
@@ -177,14 +178,14 @@ bool Filter::refutes_motion(const model::BodyMotion& motion, bool refused) {
   return doubted || absurd;
 }
 
-/// Which wheels slip, and which are faulty.
+/// Decides which wheels slip, and which are faulty.
 void Filter::judge_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows) {
   const std::array<bool, 2> before = {watch_.faulty(0), watch_.faulty(1)};
   if (watch_.finds_made_up(interval, mechanisation_.window().inertial_speed(), excess_.accelerometer)) {
     count_verdicts(before);
     forsake_made_up_wheels(interval);
   }
-  if (!level_.level()) {  // a tilted filter sees the wheels slip whenever the vehicle accelerates
+  if (!level_.level()) {  // a tilted filter takes the wheels for slipping whenever the vehicle accelerates
     slip_.reset_detector();
     watch_.interrupt();
     return;
@@ -208,10 +209,10 @@ void Filter::judge_wheels(const inputs::WheelInterval& interval, const std::arra
   count_verdicts(faulty);
 }
 
-/// The filter may have followed them, or doubted itself for them: the speed is theirs of before, and what the IMU has
-/// felt since.
+/// The filter may have followed made-up wheels, or doubted itself because of them. The speed is set to their earlier
+/// speed plus the change that the IMU has measured since.
 void Filter::forsake_made_up_wheels(const inputs::WheelInterval& interval) {
-  constexpr double kSeconds = 3.0;  // that it may have followed them
+  constexpr double kSeconds = 3.0;  // for which it may have followed them
   counters_.add("faults.wheels_made_up");
   const double change = watch_.hidden_change();
   belief_.mean.velocity.x() += interval.mean_speed() + change - mechanisation_.window().motion().velocity.x();
@@ -256,7 +257,7 @@ void Filter::doubt(double speed_sigma) {
   doubt_motion(belief_, speed_sigma, config_->start);
 }
 
-/// m/s, of the wheels that are trusted.
+/// Speed by the trusted wheels, m/s.
 double Filter::trusted_speed(const inputs::WheelInterval& interval) const {
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
     if (watch_.faulty(1 - wheel) && !watch_.faulty(wheel)) return interval.speed[wheel];
@@ -264,7 +265,7 @@ double Filter::trusted_speed(const inputs::WheelInterval& interval) const {
   return interval.mean_speed();
 }
 
-/// By the wheels that are trusted: without both, how it turns is not known.
+/// Corrects with the trusted wheels. Unless both are trusted, the yaw rate is unknown.
 void Filter::correct_coasting(const inputs::WheelInterval& interval) {
   const model::BodyMotion motion = mechanisation_.window().motion();
   model::Observation constraint = observe_constraint(motion);
@@ -305,7 +306,7 @@ void Filter::correct_with_map() {
   const inputs::MapIncrement increment = *std::exchange(pending_increment_, std::nullopt);
   const auto begin = recent_.at(increment.begin);
   const auto end = recent_.at(increment.utime);
-  if (standing_ || !begin || !end || axes_.any()) return;  // a lost axis's rate is not steady as a bias is
+  if (standing_ || !begin || !end || axes_.any()) return;  // a lost axis's rate is not constant as a bias is
   const Pose believed = begin->inverse() * *end;
   const double dt = base::seconds_between(increment.begin, increment.utime);
   const model::BodyMotion mean{believed.translation() / dt, so3_log(Eigen::Quaterniond(believed.linear())) / dt};

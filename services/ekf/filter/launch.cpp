@@ -7,20 +7,20 @@ namespace curbstone::ekf::filter {
 
 namespace {
 
-constexpr double kWrong = 0.25;  // of the speed, by which the wheels are off: a wrong radius is less
-constexpr double kSure = 4.0;    // sigma, beyond that
-constexpr int kIntervals = 3;    // without a break
-constexpr double kNearly = 0.1;  // of the speed, to which they agree,
-constexpr double kLikely = 2.0;  // and sigma
-constexpr double kJolt = 0.25;   // m/s within two intervals, by which the IMU leaps: so no vehicle drives off,
-constexpr double kOwn = 0.05;    // and of which the wheels show less by that
-constexpr double kAtOnce = 0.6;  // of what they differ by now: more than that within two intervals is a leap
+constexpr double kWrong = 0.25;  // share of the speed: a wrong radius causes less
+constexpr double kSure = 4.0;    // sigma, in addition to it
+constexpr int kIntervals = 3;    // consecutive ones in which the wheels disagree
+constexpr double kNearly = 0.1;  // share of the speed within which they agree
+constexpr double kLikely = 2.0;  // sigma, in addition to it
+constexpr double kJolt = 0.25;   // m/s, leap of the IMU's speed within two intervals: no vehicle drives off like that
+constexpr double kOwn = 0.05;    // m/s, by which the wheels' change is smaller in such a leap
+constexpr double kAtOnce = 0.6;  // share of the present difference that, within two intervals, is a leap
 
-/// How far one measurement of the wheels is off, in terms of the two limits.
+/// Compares one measurement of the wheels with the belief, for both kinds of limit.
 struct Comparison {
-  double off = 0.0;    // m/s, of the wheels from the belief
-  double speed = 0.0;  // m/s, by the belief
-  double sigma = 0.0;  // m/s, of their difference
+  double off = 0.0;    // m/s, difference between wheels and belief
+  double speed = 0.0;  // m/s, of the belief
+  double sigma = 0.0;  // m/s, 1 sigma of the difference
   [[nodiscard]] bool beyond(double share, double sigmas) const { return off > share * speed + sigmas * sigma; }
 };
 
@@ -29,7 +29,7 @@ Comparison comparison(const model::Belief& belief, const model::Observation& z, 
   return {off, std::abs(measured - z.residual[0]), off / std::sqrt(std::max(model::distance(belief, z), 1e-12))};
 }
 
-/// The middle's speed, which no track width changes, and each wheel's: all three are beyond.
+/// Whether the speed of the middle, which does not depend on the track width, and those of both wheels are all beyond.
 bool all_beyond(double share, double sigmas, const model::Belief& belief, const model::BodyMotion& motion,
                 const inputs::WheelInterval& interval, const std::array<double, 2>& sigma,
                 const model::Geometry& geometry) {

@@ -15,7 +15,7 @@ model::Belief without_leap(model::Belief belief, const detection::GyroLeap::Leap
   belief.mean.course = leap.before.course;
   belief.mean.attitude = (belief.mean.attitude * so3_exp(-turn * up)).normalized();
   belief.mean.position -= place;
-  // Of the heading: the bias's error since, and when it began.
+  // The heading is uncertain by the error of the bias and by the leap's time.
   constexpr double kBegan = 0.05;  // s, 1 sigma
   const double share = std::hypot(leap.sigma / leap.rate, kBegan / leap.seconds);
   belief.covariance(model::kVelocity + 1, model::kVelocity + 1) += std::pow(turn * belief.mean.velocity.x(), 2);

@@ -5,9 +5,9 @@
 
 namespace curbstone::ekf::filter {
 
-/// The belief after a leap of the gyro's bias about the vertical: the leap goes into the bias, heading and place are
-/// put back to where they would be without it, and biases, wheels and axle to what was learnt before. What the leap is
-/// uncertain by widens the covariance.
+/// Computes the belief after a leap of the gyro's bias about the vertical: the leap is added to the bias, heading and
+/// position are corrected by its effect, and biases, wheel scales and axle are reset to the state before it. The leap's
+/// uncertainty widens the covariance.
 [[nodiscard]] model::Belief without_leap(model::Belief belief, const detection::GyroLeap::Leap& leap);
 
 }  // namespace curbstone::ekf::filter

@@ -12,19 +12,19 @@ namespace curbstone::ekf::filter {
 
 namespace {
 
-constexpr double kTilting = 0.03;   // rad/s, 1 sigma: how waves of the ground roll and pitch a vehicle
-constexpr double kMemory = 1.0;     // s, for which it goes on turning alike
-constexpr double kUpright = 0.7;    // of an axis's direction, from which on it tells how the vehicle turns
-constexpr double kLevelling = 1.0;  // s, in which the accelerometer puts back little of a wrong tilt
-constexpr double kUnsure = 0.3;     // 1 sigma, of what is put back
+constexpr double kTilting = 0.03;   // rad/s, 1 sigma: roll and pitch rates on uneven ground
+constexpr double kMemory = 1.0;     // s, correlation time of the rate
+constexpr double kUpright = 0.7;    // vertical component of an axis above which it measures the vehicle's turn
+constexpr double kLevelling = 1.0;  // s, within which the accelerometer corrects little of a wrong tilt
+constexpr double kUnsure = 0.3;     // 1 sigma of the correction, as a share of it
 
-/// rad/s, 1 sigma, about an axis.
+/// 1 sigma of the rate about an axis, rad/s.
 double usual_rate(const Eigen::Vector3d& direction) {
   const double level = std::sqrt(std::max(1.0 - direction.z() * direction.z(), 0.0));
   return std::hypot(direction.z() * model::Mechanisation::kUsualTurn, level * kTilting);
 }
 
-/// Makes `share` of the bias along a direction, and of all that depends on it.
+/// Scales the bias along a direction, with its covariances, by `share`.
 void shrink_bias(model::Belief& belief, const Eigen::Vector3d& direction, double share) {
   const Eigen::Matrix3d shrink = Eigen::Matrix3d::Identity() - (1.0 - share) * direction * direction.transpose();
   model::ErrorMatrix& P = belief.covariance;
@@ -85,7 +85,7 @@ bool LostAxes::follow(model::Belief& belief, double wheel_yaw_rate, bool standin
   return changed;
 }
 
-/// Wheels slip now and then, and by more than their noise says.
+/// Wheels slip now and then, and by more than their noise allows for: the attitude is widened in addition.
 void LostAxes::age(int axis, model::Belief& belief, double driving, double dt) const {
   const Eigen::Vector3d d = direction(axis);
   const double share = std::exp(-dt / kMemory);
@@ -106,12 +106,12 @@ void LostAxes::lose(int axis, model::Belief& belief, double wheel_yaw_rate) {
   const bool upright = std::abs(d.z()) > kUpright;
   const double seconds = base::seconds_between(watch_.since(axis), sample_.utime);
   Astray& astray = astray_[static_cast<std::size_t>(axis)];
-  if (!upright && std::abs(astray.turn) > config_.start.moving_tilt_sigma) {  // gravity was taken for acceleration
+  if (!upright && std::abs(astray.turn) > config_.start.moving_tilt_sigma) {  // gravity counted as acceleration
     belief.covariance.diagonal().segment<3>(model::kVelocity).array() +=
         std::pow(0.5 * kGravity * astray.turn * std::min(seconds, kLevelling), 2);
     detection::forget_accelerometer_bias(belief, config_.start);
   }
-  const bool levelled = !upright && seconds > kLevelling;  // the accelerometer has put most of it back
+  const bool levelled = !upright && seconds > kLevelling;  // the accelerometer has corrected most of it
   if (levelled && std::abs(astray.turn) > config_.start.moving_tilt_sigma) {
     astray.place *= config_.start.moving_tilt_sigma / std::abs(astray.turn);
     astray.turn = std::copysign(config_.start.moving_tilt_sigma, astray.turn);

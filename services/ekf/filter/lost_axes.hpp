@@ -9,43 +9,44 @@
 
 namespace curbstone::ekf::filter {
 
-/// Does without axes of the gyro that are stuck (GyroWatch).
+/// Replaces stuck gyro axes (GyroWatch) by an estimate.
 ///
-/// How the vehicle turns about such an axis is estimated instead of measured: the sample shows 0 there, and the bias
-/// stands for the rate, with the opposite sign, as a first-order Gauss-Markov process. Then all that depends on the
-/// rate tells of it by the equations that there are: about the vertical the wheels' difference and the force sideways,
-/// about the others the wheels' and the constraint's speeds against the accelerometer's; at a standstill it is 0. What
-/// they leave open is in the covariance, and so is what a wrong track or radius makes of it.
+/// The rate about such an axis is estimated instead of measured: the sample is set to 0 there, and the axis's bias
+/// represents the rate, with the opposite sign, as a first-order Gauss-Markov process. All measurements that depend on
+/// the rate then correct it by the usual equations: about the vertical the wheels' difference and the sideways force;
+/// about the other axes the speeds of wheels and constraint against the accelerometer; at a standstill the rate is 0.
+/// The covariance includes what they leave open, and the effect of a wrong track width or radius.
 ///
-/// An axis is found some samples late. By what it has shown meanwhile, against the wheels, the attitude has gone wrong
-/// and the place with it; both are put back. When it lives again its bias is what it was, as well as a bias is known
-/// at a start.
+/// A stuck axis is detected some samples late. The rate that it has shown meanwhile, compared with the wheels, has
+/// falsified attitude and position; both are corrected. When the axis works again its bias is restored, with the sigma
+/// of a start.
 ///
-/// As long as no axis is stuck nothing is changed. A value type; one thread.
+/// While no axis is stuck nothing is changed. A value type; one thread.
 class LostAxes {
  public:
   LostAxes(const base::EkfConfig& config, const model::Geometry& geometry) : config_(config), geometry_(geometry) {}
 
-  /// The IMU's next sample. Returns the one to go on with: the same, but 0 on axes that are stuck.
+  /// Takes the IMU's next sample. Returns the sample to process: the same with 0 on stuck axes.
   base::ImuSample add(const base::ImuSample& sample);
-  /// Has the belief, not yet predicted with that sample, follow what is lost. `wheel_yaw_rate`: rad/s, as the wheels
-  /// turn it. Counts faults.gyro_* and trusted.gyro_*; says whether there was one.
+  /// Updates the belief, before it is predicted with that sample, for axes that get stuck, are stuck or work again.
+  /// `wheel_yaw_rate`: rad/s, from the wheels. Counts faults.gyro_* and trusted.gyro_*. Returns whether an axis got
+  /// stuck or works again.
   bool follow(model::Belief& belief, double wheel_yaw_rate, bool standing, Counters& counters);
 
   [[nodiscard]] bool lost(int axis) const { return lost_[static_cast<std::size_t>(axis)]; }
   [[nodiscard]] bool any() const { return lost(0) || lost(1) || lost(2); }
-  /// An axis is lost by another's word, not because it repeats itself.
+  /// An axis is stuck by the sample's `stuck` flags, not because it repeats its value.
   [[nodiscard]] bool declared_stuck() const { return sample_.stuck[0] || sample_.stuck[1] || sample_.stuck[2]; }
-  /// No axis tells how it turns about the vertical.
+  /// No working axis measures the turn about the vertical.
   [[nodiscard]] bool turn_is_lost() const;
-  /// rad/s, imu frame: what the gyro shows.
+  /// rad/s, imu frame: the gyro's reading, stuck axes included.
   [[nodiscard]] const Eigen::Vector3d& shown() const { return sample_.angular_rate; }
-  /// The sample before the last one, with 0 on axes that are lost now.
+  /// The sample before the latest one, with 0 on axes that are lost now.
   [[nodiscard]] base::ImuSample before() const { return without_lost(before_); }
 
-  /// The belief of a gyro of which no axis is lost.
+  /// The belief with the biases of lost axes restored, as for a gyro without lost axes.
   [[nodiscard]] model::Belief with_biases(model::Belief belief) const;
-  /// Likewise what is said of the biases.
+  /// Sets the estimate's biases likewise.
   void tell_biases(model::Estimate& estimate) const;
 
  private:
@@ -65,7 +66,7 @@ class LostAxes {
   detection::GyroWatch watch_;
   base::ImuSample sample_, before_;
   std::array<bool, 3> lost_{};
-  std::array<double, 3> bias_{};  // rad/s, by when it lived last
+  std::array<double, 3> bias_{};  // rad/s, from when the axis last worked
   std::array<Astray, 3> astray_{};
 };
 

@@ -7,7 +7,7 @@ namespace curbstone::ekf::filter {
 
 namespace {
 
-constexpr double kMostVariance = 1.0;  // rad^2: beyond it, it may have gone anywhere
+constexpr double kMostVariance = 1.0;  // rad^2: beyond it the direction is arbitrary
 
 Eigen::Vector3d up_of(const model::Belief& belief) {
   return belief.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
@@ -20,7 +20,7 @@ double heading_variance(const model::Belief& belief) {
 
 }  // namespace
 
-/// The large error of the heading stays one about the vertical, wherever a correction of the tilt puts that.
+/// Keeps the large heading error about the vertical when a correction of the tilt turns the body axes.
 void LostHeading::correct(model::Belief& belief, const model::Observation& z, const model::Gain& gain) const {
   if (!lost_) return model::correct(belief, z, gain);
   const Eigen::Quaterniond before = belief.mean.attitude;

@@ -10,7 +10,7 @@ double turn_of(const Pose& T) {
   return roll_pitch_yaw(T.linear()).z();
 }
 
-/// The translation and the turn about the vertical that take `from` to `to`, as a change of the frame they are in.
+/// Translation and turn about the vertical that take `from` to `to`, as a change of their reference frame.
 Pose upright_change(const Pose& from, const Pose& to) {
   Pose change = Pose::Identity();
   change.linear() = rotation_from_rpy(0, 0, roll_pitch_yaw(to.linear() * from.linear().transpose()).z());

@@ -9,12 +9,12 @@
 
 namespace curbstone::ekf::filter {
 
-/// The last poses, bounded in number; a pose at any time between them.
+/// The latest poses, bounded in number, with interpolation at any time between them.
 class PoseHistory {
  public:
   explicit PoseHistory(std::size_t capacity) : capacity_(capacity) {}
 
-  /// Times must grow; an entry that does not is left out.
+  /// Times must increase; an entry whose time does not is ignored.
   void add(std::int64_t utime, const Pose& T_odom_base) {
     if (!entries_.empty() && utime <= entries_.back().utime) return;
     entries_.push_back({utime, T_odom_base});
@@ -22,7 +22,7 @@ class PoseHistory {
   }
   void clear() { entries_.clear(); }
 
-  /// Interpolated; nothing before the oldest or after the newest entry.
+  /// Interpolated pose; nothing before the oldest or after the newest entry.
   [[nodiscard]] std::optional<Pose> at(std::int64_t utime) const {
     const auto after = std::lower_bound(entries_.begin(), entries_.end(), utime,
                                         [](const Entry& entry, std::int64_t t) { return entry.utime < t; });

@@ -57,7 +57,7 @@ void RewindingFilter::add(const Sample& sample, std::vector<model::Estimate>& ou
   forget_old();
 }
 
-/// The filter itself restarts its clock where the stamps say so.
+/// The filter restarts its clock by itself where the stamps require it.
 void RewindingFilter::forget_all() {
   last_published_ = INT64_MIN;
   samples_.clear();
@@ -87,7 +87,7 @@ void RewindingFilter::rewind_to(const Key& late) {
   for (auto it = first; it != samples_.end(); ++it) run(it->second);
 }
 
-/// The newest of the new estimates at a time for which there is a published pose shows how far they have come apart.
+/// Computes the offset from the newest of the new estimates whose time has a published pose.
 void RewindingFilter::go_on_from_last_published() {
   const auto same_time = std::find_if(estimates_.rbegin(), estimates_.rend(),
                                       [&](const model::Estimate& e) { return published_.at(e.utime).has_value(); });

@@ -9,18 +9,18 @@
 
 namespace curbstone::ekf::filter {
 
-/// A Filter that takes late samples at their own time: it keeps the samples of the last `timing.history` seconds and
-/// check points among them, goes back to the one before the late sample and runs everything from there again, as
+/// A Filter that applies late samples at their own time. It keeps the samples of the last `timing.history` seconds and
+/// check points among them, goes back to the check point before a late sample and repeats everything from there, as
 /// robot_localization (`smooth_lagged_data`) and pronto (`update_history`) do. From then on its belief is, bit for bit,
-/// that of a filter which had got all samples in order.
+/// that of a filter that received all samples in order.
 ///
-/// What was published stays published: no estimate is given twice. And odom stays continuous: after a rewind the pose
-/// goes on from where the last estimate was. Position and heading mean nothing to the filter (no measurement sees
-/// them), so they are changed on the way out only, by T_odom_filter, a translation and a turn about the vertical; the
-/// covariance grows by their squares, for they are known errors that we chose to keep.
+/// No estimate is published twice, and odom stays continuous: after a rewind the pose continues from where the last
+/// estimate was. No measurement depends on position and heading, so they are changed on output only, by T_odom_filter,
+/// a translation and a turn about the vertical. The covariance grows by their squares, because they are known errors
+/// that are kept.
 ///
-/// A sample is taken to be late when it is older than the newest by at most the history; if it is older still, the
-/// clock has been turned back.
+/// A sample is late if it is older than the newest by at most the history; if it is older still, the clock was set
+/// back.
 class RewindingFilter {
  public:
   using Sample = inputs::Sequencer::Sample;
@@ -34,7 +34,7 @@ class RewindingFilter {
   void add(const Sample& sample, std::vector<model::Estimate>& out);
 
   [[nodiscard]] const Filter& filter() const { return filter_; }
-  /// T_odom_base, as published, at any time of the last seconds.
+  /// T_odom_base as published, at any time of the last seconds.
   [[nodiscard]] std::optional<Pose> pose_at(std::int64_t utime) const { return published_.at(utime); }
   [[nodiscard]] Counters counters() const;
 
@@ -42,7 +42,7 @@ class RewindingFilter {
   /// Order of samples: by stamp; at equal stamps wheels, IMU, map (Sample's own order).
   using Key = std::pair<std::int64_t, std::size_t>;
   struct CheckPoint {
-    Key after;  // of the sample that it includes last
+    Key after;  // key of the last sample that it includes
     Filter filter;
   };
 
@@ -56,9 +56,9 @@ class RewindingFilter {
 
   std::int64_t history_;  // us
   Filter filter_;
-  std::deque<std::pair<Key, Sample>> samples_;  // by key; from the first check point on
+  std::deque<std::pair<Key, Sample>> samples_;  // by key, starting at the first check point
   std::deque<CheckPoint> check_points_;
-  std::vector<model::Estimate> estimates_;  // of the filter, not yet looked at
+  std::vector<model::Estimate> estimates_;  // of the filter, not yet processed
   PoseHistory published_;
   std::int64_t last_published_ = INT64_MIN;  // us
   Pose T_odom_filter_ = Pose::Identity();

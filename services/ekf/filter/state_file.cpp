@@ -23,7 +23,7 @@ struct File {
   std::int64_t utime = 0;
   std::array<double, kMean> mean{};
   std::array<double, kCovariance> covariance{};
-  std::uint64_t checksum = 0;  // of all before it
+  std::uint64_t checksum = 0;  // of all members before it
 };
 static_assert(std::is_trivially_copyable_v<File>);
 

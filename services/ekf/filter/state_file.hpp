@@ -7,12 +7,13 @@
 
 namespace curbstone::ekf::filter {
 
-/// What a filter believes, in a file, for the process that comes after it was killed. A small binary file of this
-/// machine's byte order with a checksum, replaced in one step; it belongs on a tmpfs (/run). Nobody else reads it.
+/// A filter's belief in a file, for the process that follows after it was killed. The file is small and binary, in this
+/// machine's byte order, with a checksum, and is replaced atomically; it belongs on a tmpfs (/run). No other program
+/// reads it.
 
-/// False if it cannot be written.
+/// Saves the belief. Returns false if the file cannot be written.
 bool save_state(const std::string& path, const model::Belief& belief);
-/// Nothing if there is none, or if it is not whole, of another version, or not finite.
+/// Loads the belief. Nothing if there is no file, or if it is incomplete, of another version, or not finite.
 [[nodiscard]] std::optional<model::Belief> load_state(const std::string& path);
 
 }  // namespace curbstone::ekf::filter

@@ -27,7 +27,7 @@ void StateKeeper::write(const std::stop_token& stop) {
       wake_.wait(lock, stop, [this] { return newest_.has_value(); });
       belief = std::exchange(newest_, std::nullopt);
     }
-    if (!belief) return;  // asked to stop, and nothing is left
+    if (!belief) return;  // asked to stop, and nothing is left to write
     failing_ = !save_state(path_, *belief);
     if (failing_) ++failures_;
   }

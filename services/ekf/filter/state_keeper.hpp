@@ -11,9 +11,9 @@
 
 namespace curbstone::ekf::filter {
 
-/// Writes what the filter believes to its state file (state_file.hpp) in a thread of its own: a file system that
-/// flushes when a file is replaced (ext4) may block for a second, and odometry does not wait for it. Of what is handed
-/// over meanwhile the newest is written; the destructor writes the last.
+/// Writes the filter's belief to its state file (state_file.hpp) in a thread of its own: a file system that flushes
+/// when a file is replaced (ext4) may block for a second, and odometry must not wait for it. If several beliefs arrive
+/// during a write, only the newest is written next; the destructor writes the last one.
 class StateKeeper {
  public:
   explicit StateKeeper(std::string path);
@@ -21,12 +21,12 @@ class StateKeeper {
   StateKeeper(const StateKeeper&) = delete;
   StateKeeper& operator=(const StateKeeper&) = delete;
 
-  /// Returns at once.
+  /// Queues the belief and returns at once. Callable while the writer works.
   void keep(const model::Belief& belief);
   [[nodiscard]] const std::string& path() const { return path_; }
-  /// How many could not be written.
+  /// Number of failed writes.
   [[nodiscard]] int failures() const { return failures_; }
-  /// Whether the last one could not.
+  /// Whether the latest write failed.
   [[nodiscard]] bool failing() const { return failing_; }
 
  private:
@@ -38,7 +38,7 @@ class StateKeeper {
   std::mutex mutex_;
   std::condition_variable_any wake_;
   std::optional<model::Belief> newest_;  // not written yet
-  std::jthread thread_;                  // last: it ends before what it uses
+  std::jthread thread_;                  // declared last: it ends before the members that it uses
 };
 
 }  // namespace curbstone::ekf::filter

@@ -7,10 +7,10 @@ namespace curbstone::ekf::inputs {
 
 namespace {
 
-constexpr double kFloor = 1e-4;  // rad/s, m/s^2: of an axis that has had no noise yet, so that it can learn of some
-constexpr double kUneven = 0.5;  // of a step, by which the next one may differ from it
+constexpr double kFloor = 1e-4;  // rad/s, m/s^2: for an axis that has had no noise yet, so that it can learn
+constexpr double kUneven = 0.5;  // share of a step by which the next one may differ
 
-/// What is measured, if it is twice the configured density or more: from there on it counts more and more.
+/// Density to use: configured up to twice its value, then growing continuously towards the measured one.
 double applied(double measured, double configured) {
   return std::max(configured, std::sqrt(std::max(0.0, measured * measured - 3.0 * configured * configured)));
 }

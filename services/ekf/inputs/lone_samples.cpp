@@ -8,16 +8,16 @@ namespace curbstone::ekf::inputs {
 namespace {
 
 constexpr std::int64_t kMinute = 60'000'000;   // us
-constexpr std::int64_t kClockSet = 1'000'000;  // us, back
-constexpr std::size_t kMostLately = 1'000;     // of the last minute, that are counted
-constexpr double kMostUsual = 3.0;             // times what is usual, that a change counts as at most
+constexpr std::int64_t kClockSet = 1'000'000;  // us, step back that means a clock that was set
+constexpr std::size_t kMostLately = 1'000;     // samples of the last minute that are kept
+constexpr double kMostUsual = 3.0;             // upper bound of a counted change, as a multiple of the usual one
 
 double limit(double least, double usual_square) {
   return std::max(least, LoneSamples::kLeaps * std::sqrt(usual_square));
 }
 
-/// Mean square over about kMemory. A change counts as kMostUsual times what is usual at most, so that leaps do not
-/// become usual, and on a rough track the limit grows within a second.
+/// Mean square over about kMemory. A change counts as at most kMostUsual times the usual one, so that leaps do not
+/// become usual; on a rough track the limit grows within a second.
 void follow(double& usual_square, double least, double change, double share) {
   const double most = std::max(least * least / (LoneSamples::kLeaps * LoneSamples::kLeaps), usual_square);
   usual_square += share * (std::min(change * change, kMostUsual * kMostUsual * most) - usual_square);
@@ -33,9 +33,9 @@ const std::vector<base::ImuSample>& LoneSamples::add(const base::ImuSample& samp
   passed_.clear();
   const base::ImuSample* newest = !kept_.empty() ? &kept_.back() : last_ ? &*last_ : nullptr;
   const std::int64_t gap = newest != nullptr ? sample.utime - newest->utime : kMostGap + 1;
-  if (gap <= 0 && gap > -kClockSet) {  // a late one
+  if (gap <= 0 && gap > -kClockSet) {  // late
     passed_.push_back(sample);
-  } else if (gap <= 0 || gap > kMostGap) {  // nothing says whether what was kept back stands alone
+  } else if (gap <= 0 || gap > kMostGap) {  // it cannot be decided whether the held samples are isolated
     refuse_kept();
     pass(sample);
   } else if (!leaps(*last_, sample)) {

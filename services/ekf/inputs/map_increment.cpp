@@ -8,9 +8,9 @@ namespace curbstone::ekf::inputs {
 
 namespace {
 
-constexpr double kLongest = 2.0;   // s: beyond it the error that an increment shows is no longer today's
+constexpr double kLongest = 2.0;   // s: beyond it the errors are no longer those of the present
 constexpr double kNoWeight = 1e6;  // m^2 or rad^2
-constexpr double kMaxSigma = 1.0;  // m or rad: the mapper itself does not know
+constexpr double kMaxSigma = 1.0;  // m or rad: beyond it the mapper itself is uncertain
 
 PoseCovariance in_map(const map_pose_t& message) {
   PoseCovariance out;
@@ -18,7 +18,7 @@ PoseCovariance in_map(const map_pose_t& message) {
   return out;
 }
 
-/// MAP_POSE's covariance in base_link's axes, with our floor: the mapper's covariance knows noise, not bad planes.
+/// MAP_POSE's covariance in base_link's axes plus a floor: the mapper's covariance covers noise, not wrong planes.
 PoseCovariance covariance_of(const map_pose_t& message, const Pose& T_map_base, const base::MapFusionConfig& config) {
   Eigen::Matrix<double, 6, 6> to_base = Eigen::Matrix<double, 6, 6>::Identity();
   to_base.topLeftCorner<3, 3>() = T_map_base.linear().transpose();
@@ -30,7 +30,7 @@ PoseCovariance covariance_of(const map_pose_t& message, const Pose& T_map_base, 
   return out;
 }
 
-/// nullptr if it can be taken.
+/// nullptr if it can be used.
 const char* why_refused(const map_pose_t& message, const Pose& T_map_base) {
   if ((message.flags & map_pose_t::LOST) != 0) return "lost";
   if ((message.flags & map_pose_t::REGISTERED) == 0) return "not_registered";

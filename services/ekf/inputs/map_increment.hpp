@@ -11,28 +11,28 @@
 
 namespace curbstone::ekf::inputs {
 
-/// How base_link moved from one time to another, as the mapper saw it. Where the map is, and where it jumped to before,
-/// does not show in it.
+/// Motion of base_link between two times, as the mapper saw it. It does not depend on the map's origin or on jumps of
+/// the map before.
 struct MapIncrement {
   std::int64_t begin = 0;               ///< us
-  std::int64_t utime = 0;               ///< us, its end
-  Pose T_begin_end = Pose::Identity();  ///< base_link at its end, seen from base_link at its beginning
-  PoseCovariance covariance;            ///< in base_link's axes at its end
+  std::int64_t utime = 0;               ///< us, end
+  Pose T_begin_end = Pose::Identity();  ///< base_link at the end, in base_link at the beginning
+  PoseCovariance covariance;            ///< in base_link's axes at the end
 };
 
-/// Makes increments of MAP_POSEs that are at least `map.baseline` apart: what two neighbouring revolutions say about
-/// speed is mostly the noise of both. Only registered poses of one epoch are taken, and none while the mapper says that
-/// it is lost: a pose where it was just found again lies elsewhere than the last one, and may be wrong. An axis that
-/// the mapper left to odometry is given no weight, or the filter would be fed its own word.
+/// Makes increments from MAP_POSEs that are at least `map.baseline` apart: the speed between two neighbouring
+/// revolutions is mostly the noise of both. Uses only registered poses of one epoch, and none while the mapper reports
+/// that it is lost: a pose after relocalisation lies elsewhere than the last one and may be wrong. An axis that the
+/// mapper left to odometry gets no weight, or the filter would be fed its own estimate.
 ///
-/// Counters: refused.lost.map, refused.not_registered.map, refused.uncertain.map (it claims less than to know it to
-/// 1 m or rad), refused.not_finite.map; map.epochs (jumps of the map that were not taken for motion).
+/// Counters: refused.lost.map, refused.not_registered.map, refused.uncertain.map (its 1 sigma exceeds 1 m or rad),
+/// refused.not_finite.map; map.epochs (jumps of the map that were not taken for motion).
 class MapIncrements {
  public:
   explicit MapIncrements(const base::MapFusionConfig& config) : config_(config) {}
-  /// The increment that ends with this pose, if one does.
+  /// Returns the increment that ends with this pose, if there is one.
   [[nodiscard]] std::optional<MapIncrement> add(const map_pose_t& message);
-  /// The next pose begins anew.
+  /// The next pose starts a new increment.
   void interrupt() { last_.reset(); }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 

@@ -8,11 +8,11 @@ namespace curbstone::ekf::inputs {
 namespace {
 
 constexpr double kBraking = 60.0;     // rad/s^2, of a wheel: 10 m/s^2 at 0.17 m
-constexpr double kSlowestStop = 0.3;  // s: a wheel that needed longer has leapt and did not turn
-constexpr double kLongestOld = 0.5;   // s, that an angle may be old: beyond it nothing is known of the wheel
+constexpr double kSlowestStop = 0.3;  // s: a wheel that would need longer has leapt and did not turn
+constexpr double kLongestOld = 0.5;   // s, longest age of an angle: beyond it the wheel's state is unknown
 constexpr double kLeastTurn = 0.01;   // rad between two changes: 7 steps of 4096; less is a slow wheel's next step
 constexpr double kAlikeShare = 0.3;   // share by which gaps of one period may differ: they end on a sample
-constexpr int kSureGaps = 3;          // gaps in a row
+constexpr int kSureGaps = 3;          // consecutive gaps
 
 }  // namespace
 

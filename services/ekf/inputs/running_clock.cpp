@@ -6,7 +6,7 @@
 namespace curbstone::ekf::inputs {
 
 namespace {
-constexpr std::int64_t kRestart = 1000;  // numbers back: the driver began again; less is a message that was overtaken
+constexpr std::int64_t kRestart = 1000;  // numbers back: the driver restarted; less is a message out of order
 }
 
 std::optional<std::int64_t> RunningClock::add(Sensor sensor, std::int64_t utime, std::int32_t sequence) {
@@ -22,7 +22,7 @@ std::optional<std::int64_t> RunningClock::add(Sensor sensor, std::int64_t utime,
   if (is_set && step > 0) own.leap = step - own.period, own.leapt_to = utime;
   const bool goes_on = own.first && consecutive && utime > *own.newest && utime - *own.newest <= kLeast + own.period &&
                        std::abs(step) <= max_jump_ && (step < 0 || step > kLeast);
-  // Wheels' numbers are those of messages: forward they go where the IMU does.
+  // The wheels' sequence numbers are those of messages. A step forward is accepted only with the IMU's.
   if (goes_on || (is_set && (is_imu || step < 0))) return doubt(own, other, utime, goes_on);
   own.first.reset();
   if (consecutive && step > 0 && step <= max_jump_) own.period = step;
@@ -40,7 +40,7 @@ std::optional<std::int64_t> RunningClock::doubt(Channel& own, Channel& other, st
   own.newest = utime;
   const std::int64_t leap = *own.first - *own.last - own.period;
   const bool confirmed = own.agreeing >= kConfirmations && (leap < 0 || have_both_leapt(own, other, leap));
-  if (!confirmed && leap > 0 && utime - *own.first > kPatience) {  // it was silent
+  if (!confirmed && leap > 0 && utime - *own.first > kPatience) {  // the sensor was silent
     own.last = utime;
     own.first.reset();
     return utime - own.set_by;

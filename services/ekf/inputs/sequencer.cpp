@@ -7,7 +7,7 @@ namespace curbstone::ekf::inputs {
 namespace {
 
 constexpr std::size_t kMaxQueue = 2048;     // samples; 1 s of hold at 2 kHz
-constexpr std::size_t kMaxIncrements = 64;  // one each 0.05 s, 1 s of delay, and some
+constexpr std::size_t kMaxIncrements = 64;  // one per 0.05 s, 1 s of delay, and a margin
 
 }  // namespace
 
@@ -75,7 +75,7 @@ void Sequencer::forget_wheels_after(std::int64_t utime) {
   wheels_.guard.reset();
 }
 
-/// Whatever waits belongs to the old time, and the other sensor's next stamp may be of either.
+/// Drops waiting samples, which belong to the old time; the other sensor's next stamp may be of either time.
 template <class T, class Other>
 void Sequencer::turn_clock_back(Channel<T>& own, Channel<Other>& other) {
   counters_.add("dropped.clock_turned_back", static_cast<std::int64_t>(own.queue.size() + other.queue.size()));

@@ -14,20 +14,20 @@
 
 namespace curbstone::ekf::inputs {
 
-/// Merges the sensors' samples into the order of their stamps. A sample is let through as soon as the other sensor has
-/// been heard with the same or a later stamp: nothing earlier can come. If the other sensor keeps silent, it goes when
-/// its own channel is `timing.hold` ahead. So the order that comes out is a function of the sequences, however they
-/// interleave on the bus, as long as neither lags the other by more than the hold. At equal stamps wheels go first.
+/// Merges the sensors' samples into the order of their stamps. A sample is released as soon as the other sensor has
+/// been heard with the same or a later stamp: nothing earlier can come. If the other sensor is silent, the sample is
+/// released when its own channel is `timing.hold` ahead. So the output order is a function of the sequences, however
+/// they interleave on the bus, as long as neither lags the other by more than the hold. At equal stamps wheels go
+/// first.
 ///
-/// What comes out may be older than what came before, by at most `timing.history` (RewindingFilter takes it at its own
-/// time); its turn is fixed by the sequences as well:
-/// - a sample that is behind its own channel comes right after that channel's newest;
-/// - a map increment comes when the sensors are `map.delay` past its end: the mapper needs that long, live, and a
-/// replay
-///   must not know it sooner;
-/// - a sample that lags the other sensor by more than the hold comes at once.
+/// An output sample may be older than the one before, by at most `timing.history` (RewindingFilter applies it at its
+/// own time). Its place in the order depends on the sequences only, too:
+/// - A sample that is behind its own channel follows that channel's newest.
+/// - A map increment follows when the sensors are `map.delay` past its end: the mapper needs that long in live
+///   operation, and a replay must not have it sooner.
+/// - A sample that lags the other sensor by more than the hold follows at once.
 ///
-/// Not taken, and counted: duplicates, stray stamps, and what is older than the history.
+/// Dropped and counted: duplicates, stray stamps, and samples older than the history.
 class Sequencer {
  public:
   using Sample = std::variant<base::WheelSample, base::ImuSample, MapIncrement>;
@@ -37,12 +37,12 @@ class Sequencer {
   void push(const base::ImuSample& sample);
   void push(const base::WheelSample& sample);
   void push(const MapIncrement& increment);
-  /// Wheel samples that wait with later stamps are of another clock: they go.
+  /// Drops waiting wheel samples with later stamps: they belong to another clock.
   void forget_wheels_after(std::int64_t utime);
-  /// The next sample whose turn it is; with `drain` without waiting for what may never come.
+  /// Returns the next sample that is due; with `drain`, without waiting for the other sensor.
   [[nodiscard]] std::optional<Sample> pop(bool drain = false);
 
-  /// Newest accepted stamp of either sensor, us; the smallest number if none.
+  /// Newest accepted stamp of either sensor, us; the smallest number if there is none.
   [[nodiscard]] std::int64_t newest() const { return std::max(imu_.newest, wheels_.newest); }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -50,7 +50,7 @@ class Sequencer {
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
   template <class T>
   struct Turn {
-    std::int64_t utime;  // us, at which the sample takes its turn
+    std::int64_t utime;  // us, time at which the sample is due
     T sample;
   };
   template <class T>
@@ -58,7 +58,7 @@ class Sequencer {
     Channel(const char* channel_name, std::int64_t max_jump) : name(channel_name), guard(max_jump) {}
     const char* name;
     StampGuard guard;
-    std::deque<Turn<T>> queue;     // by turn
+    std::deque<Turn<T>> queue;     // by due time
     std::int64_t newest = kNever;  // us
   };
 
@@ -71,11 +71,11 @@ class Sequencer {
 
   std::int64_t hold_;     // us
   std::int64_t history_;  // us
-  std::int64_t delay_;    // us, of the map
+  std::int64_t delay_;    // us, of map increments
   Channel<base::ImuSample> imu_;
   Channel<base::WheelSample> wheels_;
   std::deque<Turn<MapIncrement>> increments_;
-  std::int64_t processed_ = kNever;  // us, the last turn taken
+  std::int64_t processed_ = kNever;  // us, due time of the latest released sample
   Counters counters_;
 };
 

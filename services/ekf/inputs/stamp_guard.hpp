@@ -6,17 +6,17 @@
 
 namespace curbstone::ekf::inputs {
 
-/// Judges the stamps of one channel: they must grow, by no more than `max_jump` at a time. One wild stamp is a bad
-/// message; kConfirmations of them that agree with each other are a clock that has jumped (or a sensor that was silent
-/// for long), and are followed.
+/// Checks the stamps of one channel: they must increase, by no more than `max_jump` at a time. A single wild stamp is a
+/// bad message; kConfirmations wild stamps that agree with each other mean that the clock has jumped (or that the
+/// sensor was silent for long), and are accepted.
 class StampGuard {
  public:
   enum class Verdict {
     kGood,
     kDuplicate,
-    kBackwards,   ///< older than the one before
-    kSuspicious,  ///< far off; not taken unless the next ones agree
-    kJumped,      ///< good, and the clock has jumped to it
+    kBackwards,   ///< older than the stamp before
+    kSuspicious,  ///< far off; refused unless the next ones agree
+    kJumped,      ///< accepted: the clock has jumped to it
   };
 
   explicit StampGuard(std::int64_t max_jump_us) : max_jump_(max_jump_us) {}

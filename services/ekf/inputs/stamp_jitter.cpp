@@ -7,14 +7,15 @@ namespace curbstone::ekf::inputs {
 
 namespace {
 
-constexpr int kFew = 8;  // samples prove nothing yet
-// The second of four even samples is compared with the parabola through the others: off by sqrt(1 + 1/9 + 1 + 1/9)
-// sigma, whose mean magnitude is sqrt(2 / pi) of that. So an even change of speed does not look like jitter.
+constexpr int kFew = 8;  // samples: fewer are not significant
+// The second of four even samples is compared with the parabola through the others. Its error has a standard deviation
+// of sqrt(1 + 1/9 + 1 + 1/9) sigma, and a mean magnitude of sqrt(2 / pi) of that. With a parabola an even change of
+// speed does not look like jitter.
 const double kSigmaByMean = std::sqrt(M_PI / 2) / std::sqrt(20.0 / 9.0);
-constexpr double kEven = 0.5;       // of the longest step at least is a step's travel
-constexpr double kParabola = 0.25;  // of a step, by its change's square: how far a constant acceleration is none
-constexpr double kLeast = 3e-4;     // s: less cannot be distinguished from what wheels do,
-constexpr double kUnsure = 2e-3;    // nor is anything where they alone may do that much
+constexpr double kEven = 0.5;       // minimum travel of a step, as a share of the longest
+constexpr double kParabola = 0.25;  // share of a step, by its relative change squared: effect of an uneven acceleration
+constexpr double kLeast = 3e-4;     // s: less cannot be distinguished from the motion of the wheels
+constexpr double kUnsure = 2e-3;    // s: noise of the wheels alone above which a sample is not used
 
 }  // namespace
 
@@ -27,7 +28,7 @@ void StampJitter::add(const base::WheelSample& sample) {
   const bool left = evaluate(0, errors[0]);
   const bool right = evaluate(1, errors[1]);
   if (!left && !right) return;
-  // Both have the same stamps: what only one of them shows is slip.
+  // Both wheels have the same stamps: an error that only one of them shows is slip.
   const bool use_right = right && (!left || errors[1].off < errors[0].off);
   const Error& error = errors[use_right ? 1 : 0];
   learnt_ = std::min(learnt_ + 1, kMemory);

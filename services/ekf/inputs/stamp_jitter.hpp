@@ -8,29 +8,28 @@
 
 namespace curbstone::ekf::inputs {
 
-/// How much the wheels' stamps jitter, by the wheels themselves: a vehicle goes on evenly for some samples, so its
-/// travel says when a sample was taken between its neighbours. Stamps that a busy host made are off from that by
-/// milliseconds. Samples that are taken unevenly, or are lost, and are stamped as taken, are not.
+/// Measures the jitter of the wheels' stamps from the wheels themselves: a vehicle moves evenly over some samples, so
+/// its travel shows when a sample was taken between its neighbours. Stamps of a busy host are off by milliseconds.
+/// Uneven sampling and lost samples are not jitter, if each stamp is the time of sampling.
 ///
 /// Pure; one thread.
 class StampJitter {
  public:
   StampJitter(const base::WheelsConfig& config, double wheel_radius) : config_(config), radius_(wheel_radius) {}
 
-  /// The next sample, with a later stamp.
+  /// Adds the next sample, with a later stamp.
   void add(const base::WheelSample& sample);
-  /// The samples were interrupted. What has been learnt stays.
+  /// Call it where samples are missing. What has been learnt is kept.
   void interrupt() { known_ = 0; }
 
-  /// s, 1 sigma of a stamp, as far as it has shown within the last kMemory samples; 0 where the stamps are as good as
-  /// can be measured.
+  /// s, 1 sigma of a stamp over the last kMemory samples; 0 where the jitter is too small to be measured.
   [[nodiscard]] double sigma() const;
 
   static constexpr int kMemory = 50;  ///< samples
 
  private:
   static constexpr std::size_t kPoints = 4;
-  /// s, by which the second of the samples is off, and what else than its stamp may put it off by.
+  /// s, the stamp error of the second of the samples, and its noise from other causes.
   struct Error {
     double off = 0.0;
     double noise = 0.0;
@@ -40,9 +39,9 @@ class StampJitter {
   base::WheelsConfig config_;
   double radius_;  // m
   std::array<base::WheelSample, kPoints> samples_{};
-  std::size_t known_ = 0;  // of them, at their end
-  int learnt_ = 0;         // samples, up to kMemory
-  double mean_off_ = 0.0;  // s, of the errors' magnitudes
+  std::size_t known_ = 0;  // number of valid samples, at the array's end
+  int learnt_ = 0;         // number of samples, at most kMemory
+  double mean_off_ = 0.0;  // s, mean magnitude of the errors
   double mean_noise_ = 0.0;
 };
 

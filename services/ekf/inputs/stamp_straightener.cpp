@@ -9,16 +9,16 @@ namespace curbstone::ekf::inputs {
 namespace {
 
 constexpr std::size_t kRecent = 256;         // samples, of which the least late one gives the line's height
-constexpr std::size_t kEnough = kRecent;     // samples: fewer prove nothing yet
-constexpr std::int64_t kEach = 16;           // samples from one look to the next
-constexpr std::int64_t kMostLate = 80'000;   // us: what is later is a gap, or another rate
-constexpr std::int64_t kJump = 1'000'000;    // us: the clock, or one wild stamp
-constexpr int kConfirmations = 3;            // of a clock that jumped
-constexpr std::int32_t kMostLost = 20;       // samples in a row
-constexpr double kSmoothing = 0.1;           // of what a look says of the period
-constexpr double kStop = 0.5;                // of kJitter, below which stamps are good again
-constexpr double kStray = 1.3;               // times as far after 64 samples as after 8: a random walk makes 2.8,
-constexpr double kGone = 1.6;                // and where stamps are being changed
+constexpr std::size_t kEnough = kRecent;     // samples: fewer are not significant
+constexpr std::int64_t kEach = 16;           // samples between two updates
+constexpr std::int64_t kMostLate = 80'000;   // us: a later stamp means a gap, or another rate
+constexpr std::int64_t kJump = 1'000'000;    // us: a step of the clock, or one wild stamp
+constexpr int kConfirmations = 3;            // consecutive stamps of a clock that jumped
+constexpr std::int32_t kMostLost = 20;       // consecutive samples
+constexpr double kSmoothing = 0.1;           // weight of an update of the period
+constexpr double kStop = 0.5;                // share of kJitter below which the correction stops
+constexpr double kStray = 1.3;               // times as far after 64 samples as after 8: a random walk makes 2.8
+constexpr double kGone = 1.6;                // the same while stamps are being changed
 constexpr std::size_t kNear = 8, kFar = 64;  // samples
 
 }  // namespace
@@ -28,7 +28,7 @@ std::int64_t StampStraightener::add(std::int64_t stamp, std::int32_t sequence) {
   if (!points_.empty() && std::abs(step) > kJump && ++astray_ < kConfirmations) return stamp;
   const std::int64_t ahead = std::int64_t{sequence} - sequence_;
   if (!points_.empty() && step == 0 && ahead != 1) return last_out_;  // the same sample again
-  if (!points_.empty() && step < 0 && step > -kJump) return stamp;    // out of order: it has its own time
+  if (!points_.empty() && step < 0 && step > -kJump) return stamp;    // out of order: it keeps its own stamp
   astray_ = 0;
   std::int64_t number = ahead > 1 && ahead <= kMostLost ? ahead : 1;
   sequence_ = sequence;
@@ -81,7 +81,7 @@ double StampStraightener::least_height(std::size_t samples) const {
   return least;
 }
 
-/// Of the edge of the lower convex hull that spans the middle: no line below all points is nearer to them.
+/// Slope of the lower convex hull's edge that spans the middle: of all lines below the points it is the nearest.
 double StampStraightener::slope() const {
   std::vector<const Point*> hull;
   const auto turns_down = [](const Point& a, const Point& b, const Point& c) {
@@ -99,7 +99,7 @@ double StampStraightener::slope() const {
          static_cast<double>(hull[k]->number - hull[k - 1]->number);
 }
 
-/// What jitters comes back to the line at once; what strays from it is farther off the longer one waits.
+/// Whether the stamps stay near the line. Jitter returns to the line at once; a drift increases with the lag.
 bool StampStraightener::stays_near() const {
   const auto change = [&](std::size_t lag) {
     double sum = 0.0;

@@ -7,13 +7,13 @@ namespace curbstone::ekf::inputs {
 
 namespace {
 
-constexpr double kMostWay = 1.0;  // m between two samples: beyond, the counts began anew
+constexpr double kMostWay = 1.0;  // m between two samples: beyond it the counter restarted
 
 }  // namespace
 
 void StuckAccelerometer::add(const base::WheelSample& sample) {
   if (has_wheels_) {
-    // A single wheel that turns may be made up, or spin.
+    // A single wheel that turns may spin, or its counts may be made up.
     const double least = std::min(std::abs(sample.angle[0] - angle_[0]), std::abs(sample.angle[1] - angle_[1]));
     if (wheel_radius_ * least < kMostWay) way_ += wheel_radius_ * least;
   }

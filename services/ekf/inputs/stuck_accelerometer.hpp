@@ -7,10 +7,10 @@
 
 namespace curbstone::ekf::inputs {
 
-/// An accelerometer of which an axis, or all, are stuck: it shows the same force, bit for bit, for kRun samples and
-/// longer while the wheels drive the vehicle by kWay. Noise and the road make that impossible; while it stands, a
-/// coarse accelerometer may well repeat itself. It has come back when each axis has changed again within every kRun
-/// samples for kTrust.
+/// Detects an accelerometer of which one axis or all are stuck: the axis shows the same force, bit for bit, for kRun
+/// samples or more while the wheels drive the vehicle by kWay. Noise and the road make that impossible in a healthy
+/// axis; at a standstill a coarse accelerometer may well repeat itself. The accelerometer is trusted again when each
+/// axis has changed within every kRun samples for kTrust.
 ///
 /// A value type; one thread. Samples of each sensor in the order of their stamps.
 class StuckAccelerometer {
@@ -22,7 +22,7 @@ class StuckAccelerometer {
   explicit StuckAccelerometer(double wheel_radius) : wheel_radius_(wheel_radius) {}
 
   void add(const base::WheelSample& sample);
-  /// Whether any axis is stuck as of this sample.
+  /// Adds a sample. Returns whether any axis is stuck as of this sample.
   bool add(const base::ImuSample& sample);
   [[nodiscard]] bool stuck() const { return stuck_[0] || stuck_[1] || stuck_[2]; }
   /// By axis of the IMU.
@@ -32,12 +32,12 @@ class StuckAccelerometer {
   struct Axis {
     double shown = 0.0;      // m/s^2
     int repeats = 0;         // samples in a row
-    double since = 0.0;      // m, the way at the first of them
+    double since = 0.0;      // m, distance driven at the first of them
     std::int64_t moved = 0;  // us, since when it has changed without a long run
   };
 
   double wheel_radius_;  // m
-  double way_ = 0.0;     // m, driven so far, whichever wheel went less
+  double way_ = 0.0;     // m, distance driven by the wheel that went less
   std::array<double, 2> angle_ = {};
   bool has_wheels_ = false;
   bool has_imu_ = false;

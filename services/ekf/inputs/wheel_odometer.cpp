@@ -6,11 +6,11 @@
 namespace curbstone::ekf::inputs {
 
 namespace {
-constexpr double kStampSlack = 0.02;  // s: a late stamp makes the next difference look short, and the wheel fast
-constexpr double kJitters = 40.0;     // sigmas of its stamps that an interval is long at least: 3.5 % of the speed
+constexpr double kStampSlack = 0.02;        // s: a late stamp makes the next difference look short, and the wheel fast
+constexpr double kJitters = 40.0;           // minimum interval in sigmas of its stamps: 3.5 % of the speed
 constexpr double kMostAcceleration = 15.0;  // m/s^2, of a wheel on the ground
-constexpr double kFits = 4.0;               // sigmas by which two speeds in a row may differ beyond that
-constexpr double kLongestInterval = 0.2;    // s, for that: slip lasts not much longer
+constexpr double kFits = 4.0;               // sigmas by which two consecutive speeds may differ in addition
+constexpr double kLongestInterval = 0.2;    // s, upper bound of that: slip lasts little longer
 }  // namespace
 
 double wheel_sigma(const base::WheelsConfig& config, const WheelInterval& interval, double wheel_radius,
@@ -57,7 +57,7 @@ WheelOdometer::Step WheelOdometer::add(const base::WheelSample& sample) {
   return Step::kInterval;
 }
 
-/// Whether a wheel can change its speed so much, from the first two samples to the last two of three.
+/// Whether the change of speed from the first two to the last two of three samples is possible for a wheel.
 bool WheelOdometer::fits_first(const base::WheelSample& third) const {
   const WheelInterval before = *newest_;
   const WheelInterval after = between(last_, third);

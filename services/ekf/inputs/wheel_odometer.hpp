@@ -14,20 +14,20 @@ struct WheelInterval {
   std::int64_t begin = 0;            ///< us
   std::int64_t end = 0;              ///< us
   std::array<double, 2> speed = {};  ///< m/s, left and right
-  double jitter = 0.0;               ///< 1 sigma of the duration's error, as a share of it, beyond stamp_noise
+  double jitter = 0.0;               ///< 1 sigma of the duration's error as a share of it, in addition to stamp_noise
   [[nodiscard]] double duration() const { return base::seconds_between(begin, end); }
   [[nodiscard]] double mean_speed() const { return 0.5 * (speed[0] + speed[1]); }
 };
 
-/// 1 sigma of a wheel's mean speed over the interval, m/s: slip, jitter of the stamps, steps of the counter.
+/// 1 sigma of a wheel's mean speed over the interval, m/s: slip, stamp jitter, quantisation.
 [[nodiscard]] double wheel_sigma(const base::WheelsConfig& config, const WheelInterval& interval, double wheel_radius,
                                  std::size_t wheel);
 
-/// Wheel angles to speeds: differences of angles over differences of stamps, over intervals long enough that jitter of
-/// the stamps and steps of the counter do not matter (an error of the first is divided by the interval). Where the
-/// stamps jitter by more than that (StampJitter), intervals are longer. They touch and do not overlap, so that their
-/// sum is the travel. A first sample that does not fit the next two is left out: a sensor that has just been started
-/// is often not on its beat yet.
+/// Converts wheel angles to speeds: differences of angles over differences of stamps, over intervals long enough that
+/// stamp jitter and quantisation do not matter (a stamp error is divided by the interval). Where the stamps jitter by
+/// more than that (StampJitter), intervals are longer. Intervals are adjacent and do not overlap, so their sum is the
+/// travel. A first sample that does not fit the next two is ignored: the period of a sensor that has just been started
+/// is often not regular yet.
 class WheelOdometer {
  public:
   WheelOdometer(const base::WheelsConfig& config, double wheel_radius, double max_gap)
@@ -35,14 +35,14 @@ class WheelOdometer {
 
   enum class Step {
     kFirst,     ///< an interval begins
-    kOpen,      ///< the interval goes on
+    kOpen,      ///< the interval continues
     kInterval,  ///< interval() is complete, the next one begins
-    kGap,       ///< samples were missing for too long; an interval begins
-    kNonsense,  ///< no wheel turns that fast: the counter restarted. An interval begins
+    kGap,       ///< samples were missing for too long; a new interval begins
+    kNonsense,  ///< faster than any wheel: the counter restarted. A new interval begins
   };
   Step add(const base::WheelSample& sample);
   [[nodiscard]] const WheelInterval& interval() const { return interval_; }
-  /// From the sample before to the newest one; nothing after kFirst, kGap and kNonsense.
+  /// From the previous sample to the newest; nothing after kFirst, kGap and kNonsense.
   [[nodiscard]] const std::optional<WheelInterval>& newest() const { return newest_; }
   void reset();
 

@@ -4,8 +4,8 @@
 
 namespace curbstone::ekf::model {
 
-/// A measurement of one to six rows compared with what the filter expected:
-/// residual = measured - expected = H error + noise(0, R). Made of zeros; allocates nothing.
+/// A measurement of one to six rows compared with the filter's expectation: residual = measured - expected = H error +
+/// noise(0, R). Initialised to zeros; allocates nothing.
 struct Observation {
   static constexpr int kMaxRows = 6;
   using Residual = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxRows, 1>;
@@ -19,27 +19,27 @@ struct Observation {
 };
 using Gain = Eigen::Matrix<double, kErrorSize, Eigen::Dynamic, 0, kErrorSize, Observation::kMaxRows>;
 
-/// Squared Mahalanobis distance of the residual: chi-square with as many degrees of freedom as rows if the filter is
-/// honest.
+/// Squared Mahalanobis distance of the residual. If the filter is consistent it is chi-square distributed with as many
+/// degrees of freedom as rows.
 [[nodiscard]] double distance(const Belief& belief, const Observation& z);
 
-/// The gain that is optimal for every component of the error.
+/// Gain that is optimal for every component of the error.
 [[nodiscard]] Gain optimal_gain(const Belief& belief, const Observation& z);
 
-/// The gain that is optimal but for the position, which moves only by what the gyro's bias about the vertical has led
-/// it astray: that is geometry, and large after a start on the move. What scale, axle and course would move it by rests
-/// on models of tyres and springs, and made a recorded car's path worse.
+/// Gain that is optimal except for the position, which moves only by the effect of the gyro's bias about the vertical:
+/// this effect is geometry, and large after a start on the move. Corrections of the position by scale, axle and course
+/// rest on models of tyres and springs, and degraded the path of a recorded car.
 [[nodiscard]] Gain guarded_gain(const Belief& belief, const Observation& z);
 
-/// Kalman update by any gain. Joseph's form holds for all of them, and keeps the covariance positive where the short
-/// form rounds it away.
+/// Kalman update with any gain. Joseph's form holds for every gain, and keeps the covariance positive definite where
+/// the short form loses that to rounding.
 void correct(Belief& belief, const Observation& z, const Gain& K);
 
-/// Two independent observations as one of at most kMaxRows: applied together they share the same linearisation.
+/// Stacks two independent observations into one of at most kMaxRows: applied together they share one linearisation.
 [[nodiscard]] Observation stack(const Observation& a, const Observation& b);
 
-/// A gate that cannot lock the filter out: an observation farther off than `gate` keeps its direction and loses its
-/// weight, the more so the farther it is. Says whether it lay inside.
+/// A gate that cannot lock the filter out: an observation beyond `gate` keeps its direction, but its weight decreases
+/// with its distance. Returns whether it is inside the gate.
 [[nodiscard]] bool soften_beyond(double gate, const Belief& belief, Observation& z);
 
 /// Chi-square quantiles at 99.9 %, for 1, 3 and 6 degrees of freedom.

@@ -29,7 +29,7 @@ Estimate estimate_base(const Belief& belief, const Inertial& imu, double rate_si
   pose.block<3, 3>(0, kAttitude) = -R * skew(geometry.to_base);
   pose.block<3, 3>(3, kAttitude).setIdentity();
   out.pose_covariance = propagated(pose, belief.covariance);
-  out.pose_covariance.diagonal() = out.pose_covariance.diagonal().cwiseMax(0.0);  // rounds below it at the origin
+  out.pose_covariance.diagonal() = out.pose_covariance.diagonal().cwiseMax(0.0);  // rounded below 0 at the origin
 
   Jacobian twist = Jacobian::Zero();
   twist.block<3, 3>(0, kVelocity).setIdentity();

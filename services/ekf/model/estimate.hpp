@@ -4,7 +4,7 @@
 
 namespace curbstone::ekf::model {
 
-/// What the filter says of base_link at a time.
+/// The filter's estimate of base_link at a time (us).
 struct Estimate {
   std::int64_t utime = 0;
   Pose T_odom_base = Pose::Identity();
@@ -15,7 +15,7 @@ struct Estimate {
   Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();  ///< imu frame, m/s^2
   Eigen::Matrix<double, 6, 6> pose_covariance;                   ///< x y z (odom), rotation about X Y Z (base_link)
   Eigen::Matrix<double, 6, 6> twist_covariance;                  ///< vx vy vz, wx wy wz (base_link)
-  bool level = true;  ///< roll and pitch are known well enough: they will not swing by degrees in the next moment
+  bool level = true;  ///< roll and pitch are known well enough: they will not swing by degrees soon
   bool stationary = false;
   bool slipping = false;
   bool no_imu = false;          ///< coasting on wheels alone
@@ -26,7 +26,8 @@ struct Estimate {
 /// T_odom_base of a state.
 [[nodiscard]] Pose base_pose(const NavState& state, const Geometry& geometry);
 
-/// Moves the belief, which is the IMU's, to base_link. `imu` in body axes; `rate_sigma` is its noise in rad/s.
+/// Transforms the belief, which is that of the IMU, to base_link. `imu` in body axes; `rate_sigma` is its noise in
+/// rad/s.
 [[nodiscard]] Estimate estimate_base(const Belief& belief, const Inertial& imu, double rate_sigma,
                                      const Geometry& geometry);
 

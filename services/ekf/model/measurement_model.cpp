@@ -66,7 +66,7 @@ Observation observe_increment(const Pose& T_begin_end, const Eigen::Matrix<doubl
   z.residual << R * (T_begin_end.translation() - believed.translation()),
       so3_log(Eigen::Quaterniond(R * T_begin_end.linear()));
   z.H.topRows<3>() = dt * halfway * velocity_jacobian(geometry);
-  z.H.block<3, 3>(0, kGyroBias) += 0.5 * dt * dt * halfway * skew(motion.velocity);  // it went where it turned to
+  z.H.block<3, 3>(0, kGyroBias) += 0.5 * dt * dt * halfway * skew(motion.velocity);  // the turn bends the path
   z.H.block<3, 3>(3, kGyroBias) = -dt * halfway;
   z.R = covariance;
   return z;

@@ -14,26 +14,26 @@ struct TimedInertial {
   Inertial imu;
 };
 
-/// Carries a belief forward in time: by the IMU where there are samples on both sides, else by the wheels. Keeps what
-/// the belief went through since the last correction, for the wheels to be compared with.
+/// Propagates a belief in time: with the IMU where there are samples on both sides, else with the wheels. Records the
+/// motion since the last correction, for comparison with the wheels.
 class Mechanisation {
  public:
-  /// rad/s, 1 sigma, and rad/s/sqrt(Hz): how a vehicle turns of which nothing is known.
+  /// rad/s, 1 sigma, and rad/s/sqrt(Hz): the yaw rate of a vehicle whose turn is not measured.
   static constexpr double kUsualTurn = 0.3;
 
   Mechanisation(const base::EkfConfig& config, const Geometry& geometry) : config_(config), geometry_(geometry) {}
 
-  /// To `utime`. `next` is the IMU's sample at or after it; null where none is known yet.
+  /// Propagates to `utime`. `next` is the IMU sample at or after it; null if there is none yet.
   void advance(Belief& belief, std::int64_t utime, const TimedInertial* next, bool standing);
-  /// The IMU's sample at the belief's time: the one to go on from.
+  /// Sets the IMU sample at the belief's time, from which the next step starts.
   void set_last_imu(const TimedInertial& sample) { last_imu_ = sample; }
-  /// rad/s, to turn with while there is no IMU; nothing: the wheels do not tell.
+  /// rad/s, yaw rate to use while there is no IMU; nothing: the wheels do not show it.
   void set_wheel_yaw_rate(std::optional<double> rate) { wheel_yaw_rate_ = rate; }
-  /// What disturbs the prediction from now on.
+  /// Sets the process noise from now on.
   void set_noise(const base::NoiseConfig& noise) { config_.noise = noise; }
   void reset();
 
-  /// Whether the IMU's last sample is recent enough, at `utime`, to go on from.
+  /// Whether the latest IMU sample is recent enough, at `utime`, to continue from.
   [[nodiscard]] bool imu_at_hand(std::int64_t utime) const {
     return last_imu_ && base::seconds_between(last_imu_->utime, utime) <= config_.timing.max_imu_gap;
   }

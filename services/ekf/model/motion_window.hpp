@@ -4,8 +4,8 @@
 
 namespace curbstone::ekf::model {
 
-/// Means of what the filter believed between two corrections: the wheels' mean speed is compared with the mean, not
-/// with the newest value, so that braking does not look like an error.
+/// Means of the filter's motion between two corrections: the wheels' mean speed is compared with this mean and not with
+/// the newest value, so that braking does not look like an error.
 class MotionWindow {
  public:
   /// `motion` and `gyro` (body axes) as means over `dt` seconds; `inertial_speed` see SlipDetector.

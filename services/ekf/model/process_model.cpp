@@ -46,9 +46,9 @@ ErrorMatrix transition(const NavState& state, const Inertial& imu, double dt) {
   const Eigen::Matrix3d R = state.attitude.toRotationMatrix();
   const Eigen::Matrix3d E = so3_exp(w * dt).toRotationMatrix();
   const Eigen::Matrix3d H = so3_exp(0.5 * w * dt).toRotationMatrix();
-  const Eigen::Matrix3d turn = dt * right_jacobian(w * dt);  // of E by the rate: E exp(turn dw)
+  const Eigen::Matrix3d turn = dt * right_jacobian(w * dt);  // derivative of E by the rate: E exp(turn dw)
   const Eigen::Matrix3d half_turn = 0.5 * dt * right_jacobian(0.5 * w * dt);
-  const Eigen::Matrix3d gravity = dt * skew(E.transpose() * (R.transpose() * kGravityVector));  // of v' by theta'
+  const Eigen::Matrix3d gravity = dt * skew(E.transpose() * (R.transpose() * kGravityVector));  // dv' / dtheta'
 
   ErrorMatrix F = ErrorMatrix::Identity();
   F.block<3, 3>(kAttitude, kAttitude) = E.transpose();
@@ -82,7 +82,7 @@ void predict(Belief& belief, const Inertial& imu, double dt, const base::NoiseCo
 }
 
 void predict_standing(Belief& belief, const Inertial& imu, double dt, const base::NoiseConfig& noise) {
-  // A gyro that shows just its bias, and an error state in which the bias does not reach the motion.
+  // The gyro's reading is set to its bias, and in the error state the bias does not affect the motion.
   const Inertial not_turning{belief.mean.gyro_bias, imu.acceleration};
   ErrorMatrix F = transition(belief.mean, not_turning, dt);
   F.middleCols<3>(kGyroBias).topRows<9>().setZero();

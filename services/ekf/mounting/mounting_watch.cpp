@@ -8,31 +8,31 @@ namespace curbstone::ekf::mounting {
 
 namespace {
 
-constexpr double kInterval = 0.2;      // s: steps of the counter are small against what a vehicle does in it
-constexpr double kLongest = 0.5;       // s, of an interval: longer, samples are missing
-constexpr int kLeastSamples = 3;       // of the IMU, in an interval
-constexpr double kFirstGravity = 2.0;  // s, after which it is judged
-constexpr double kFirstForce = 0.5;    // s, likewise how large it is: before the filter starts
-constexpr double kLeastForce = 7.0;    // m/s^2: no road takes off more for seconds,
-constexpr double kMostForce = 14.0;    // nor adds it, with a scale that is a little wrong
+constexpr double kInterval = 0.2;      // s: counter steps are small against the motion in it
+constexpr double kLongest = 0.5;       // s, of an interval: if it is longer, samples are missing
+constexpr int kLeastSamples = 3;       // IMU samples in an interval
+constexpr double kFirstGravity = 2.0;  // s after which the direction of gravity is judged
+constexpr double kFirstForce = 0.5;    // s after which its magnitude is judged: before the filter starts
+constexpr double kLeastForce = 7.0;    // m/s^2: no road reduces it further for seconds
+constexpr double kMostForce = 14.0;    // m/s^2: nor increases it further, with a scale that is a little wrong
 
-constexpr double kLeastTurn = 0.05;  // rad^2/s, that speed does not explain: 9 deg/s for 2 s
-constexpr int kStretches = 2;        // of so much turning
-constexpr double kTurnsAlike = 0.7;  // share of the wheels' square, less what goes with the speed, that it explains
+constexpr double kLeastTurn = 0.05;  // rad^2/s, turn beyond what the speed explains: 9 deg/s for 2 s
+constexpr int kStretches = 2;        // of that much turning
+constexpr double kTurnsAlike = 0.7;  // minimum of TurnFit::explained()
 
-constexpr double kSlow = 3.0;         // s: what changes more slowly is tilt and bias
+constexpr double kSlow = 3.0;         // s: slower changes are tilt and bias
 constexpr double kLeastMotion = 2.0;  // m^2/s^3: 1 m/s^2 for 2 s
-constexpr double kMostMotion = 20.0;  // that count
-constexpr double kExplained = 0.5;    // share of the force's square
-constexpr double kApart = 0.2;        // of shares, by which the mirror image must explain it better,
-constexpr double kHandLong = 10.0;    // s without a break: wheels that slip for as long look like anything,
-constexpr double kHandMotion = 1.5;   // m^2/s^3 of motion in them
-constexpr double kBend = 8.0;         // s that a bend takes
-constexpr double kTurning = 0.1;      // rad/s by the wheels,
-constexpr double kTurningLong = 2.0;  // s of it: a wheel's jolt is one interval, which anything explains,
+constexpr double kMostMotion = 20.0;  // m^2/s^3, beyond which the sums are halved
+constexpr double kExplained = 0.5;    // minimum share of the force's square
+constexpr double kApart = 0.2;        // share by which the mirror image must explain it better
+constexpr double kHandLong = 10.0;    // s in a row: wheels that slip for that long look like anything
+constexpr double kHandMotion = 1.5;   // m^2/s^3 of motion in that time
+constexpr double kBend = 8.0;         // s, duration of a bend
+constexpr double kTurning = 0.1;      // rad/s, of the wheels
+constexpr double kTurningLong = 2.0;  // s at that rate: a wheel's jolt is one interval, which anything explains
 constexpr double kLongTurn = 0.1;     // rad^2/s
-constexpr double kLying = 0.8;        // share of the wheels' turn that the rate about a level axis explains,
-constexpr double kUpright = 0.2;      // and that the rate about z may be of it
+constexpr double kLying = 0.8;        // minimum share of the wheels' turn that the rate about a level axis explains
+constexpr double kUpright = 0.2;      // maximum share of it in the rate about z
 constexpr double kLeastGain = 0.5, kMostGain = 2.0;
 
 }  // namespace
@@ -42,7 +42,7 @@ MountingWatch::MountingWatch(const VehicleConfig& vehicle)
 
 void MountingWatch::add(const base::ImuSample& sample) {
   const double dt = last_imu_ ? base::seconds_between(last_imu_->utime, sample.utime) : 0.0;
-  if (dt < 0.0 && dt > -1.0) return;  // late: it is not worth going back for
+  if (dt < 0.0 && dt > -1.0) return;  // late: not worth a rewind
   last_imu_ = sample;
   const Eigen::Vector3d force = R_base_imu_ * sample.acceleration;
   ++imu_samples_;
@@ -84,7 +84,7 @@ void MountingWatch::judge(const Interval& interval) {
   before_ = interval;
 }
 
-/// Slip looks like anything for a while: kStretches in a row must say so.
+/// Slip looks like anything for a while: kStretches in a row must agree.
 void MountingWatch::judge_turn(const Interval& interval) {
   turn_scale_.add(interval.seconds, interval.speed, interval.wheel_rate, interval.gyro_rate);
   turn_.add(interval.seconds, interval.speed, interval.wheel_rate, interval.gyro_rate);
@@ -96,8 +96,8 @@ void MountingWatch::judge_turn(const Interval& interval) {
   opposite_ = against_ >= kStretches || (opposite_ && gain < 0);
 }
 
-/// By what was within kBend, not less what goes with the speed, as an even bend does: no slip shows in a rate about a
-/// level axis, so one bend is enough.
+/// Uses the last kBend seconds, including what is proportional to the speed, as in an even bend: slip does not cause a
+/// rate about a level axis, so one bend is enough.
 void MountingWatch::judge_lying(const Interval& interval) {
   const double kept = std::max(1.0 - interval.seconds / kBend, 0.0);
   upright_.fade(kept);
@@ -114,7 +114,7 @@ void MountingWatch::judge_lying(const Interval& interval) {
   }
 }
 
-/// The change of speed between the middles of two intervals belongs to the mean force of both.
+/// Compares the change of speed between the centres of two intervals with the mean force of both.
 void MountingWatch::judge_forward(const Interval& before, const Interval& interval) {
   const double seconds = 0.5 * (before.seconds + interval.seconds);
   const Eigen::Vector2d mean = 0.5 * (before.force + interval.force);
@@ -144,7 +144,7 @@ void MountingWatch::judge_forward(const Interval& before, const Interval& interv
   turned_ = std::abs(std::arg(product_)) > (turned_ ? 0.5 : 1.0) * kMaxYaw;
 }
 
-/// What slips looks like anything: it must last, and be said by more of the motion.
+/// Slip looks like anything for a while: the result must last, and explain more of the motion.
 void MountingWatch::judge_hand(double seconds, double motion) {
   const double all = force_square_ * motion_square_;
   const double as_it_is = std::norm(product_) / all;
@@ -189,7 +189,7 @@ std::optional<Eigen::Vector3d> MountingWatch::lying_gyro() const {
 
 std::optional<Eigen::Vector2d> MountingWatch::mirrored() const {
   if (!mirrored_ || tilted_) return {};
-  const Complex ahead = mirror_product_ / std::abs(mirror_product_);  // where what is ahead shows
+  const Complex ahead = mirror_product_ / std::abs(mirror_product_);  // where a force ahead appears
   return Eigen::Vector2d(ahead.real(), ahead.imag());
 }
 

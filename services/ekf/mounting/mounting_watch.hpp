@@ -11,21 +11,24 @@
 
 namespace curbstone::ekf::mounting {
 
-/// Whether IMU and wheels are on the vehicle as its file says: the usual mistakes on a new one. It asks the sensors
-/// alone, for a filter with a wrong configuration believes nonsense, and finds wheels to slip, or itself to drift.
+/// Checks that IMU and wheels are mounted as the vehicle's file says, to find the usual mistakes on a new vehicle. It
+/// uses the sensors alone: with a wrong configuration the filter's state is wrong, and it takes the wheels for slipping
+/// or itself for drifting.
 ///
-/// - Gravity: over kGravityMemory the specific force points up, and is as large as gravity. No vehicle drives tilted
-///   by kMaxTilt, nor do bends look so.
-/// - Turn: the wheels' yaw rate is a multiple of the gyro's (TurnFit). Where it is about -1 in two stretches of turning
-///   in a row, and explains what the speed does not, left and right are swapped, both wheels count backwards, or the
-///   gyro's sign is wrong. Where it stays another one than 1, the track width is wrong or the gyro's scale (TurnScale).
+/// - Gravity: averaged over kGravityMemory the specific force points up, and is as large as gravity. No vehicle drives
+///   tilted by kMaxTilt, and no bend looks like it.
+/// - Turn: the wheels' yaw rate is a multiple of the gyro's (TurnFit). If the multiple is about -1 in two consecutive
+///   stretches of turning, and explains what the speed does not, then left and right are swapped, both wheels count
+///   backwards, or the gyro's sign is wrong. If it stays at another value than 1, the track width or the gyro's scale
+///   is wrong (TurnScale).
 /// - Forward: the changes of horizontal specific force are those of the wheels' speed (ahead) and of speed times yaw
-///   rate (to the left), turned by what vehicle.imu's yaw lacks: least squares of complex numbers. Believed where it
+///   rate (to the left), rotated by the error of vehicle.imu's yaw: least squares of complex numbers. Accepted where it
 ///   explains most of the force, with a plausible gain.
-/// - Hand: where it is their mirror image, turned somehow, that explains most, and the motion itself clearly less (it
-///   takes bends: ahead alone both do as well), two axes of the IMU are swapped, or one has the wrong sign.
-/// - Lying gyro: it is the rate about a level axis that goes with the wheels' yaw rate, and that about the vertical
-///   does not: another axis of the gyro is up than the file says.
+/// - Handedness: if the mirror image of that motion, rotated by any angle, explains most of the force, and the motion
+///   itself clearly less, then two axes of the IMU are swapped, or one has the wrong sign. (This needs bends: without
+///   them both explain it equally.)
+/// - Lying gyro: if the rate about a level axis is proportional to the wheels' yaw rate, and the rate about the
+///   vertical is not, then another axis of the gyro points up than the file says.
 ///
 /// A value type; one thread. Samples in the order of their stamps, base_link's axes as configured.
 class MountingWatch {
@@ -36,29 +39,29 @@ class MountingWatch {
 
   explicit MountingWatch(const VehicleConfig& vehicle);
 
-  /// Not those of a gyro that is stuck.
+  /// Do not pass samples of a gyro that is stuck.
   void add(const base::ImuSample& sample);
   void add(const base::WheelSample& sample);
 
-  /// The axis of the IMU that points up, 1 of length, imu frame, where that is another one than configured.
+  /// Unit vector, imu frame: the axis of the IMU that points up, if it is not the configured one.
   [[nodiscard]] std::optional<Eigen::Vector3d> wrong_up() const;
-  /// m/s^2, the mean of the specific force where that is not gravity: another unit, or a broken accelerometer.
+  /// m/s^2, mean of the specific force if it is not gravity: another unit, or a broken accelerometer.
   [[nodiscard]] std::optional<double> wrong_gravity() const;
 
-  // The others are said only where gravity points up as configured.
+  // The checks below report only while gravity points up as configured.
 
   /// Wheels and gyro turn opposite ways.
   [[nodiscard]] bool turns_opposite() const { return opposite_ && !tilted_; }
-  /// How many times as far as the gyro the wheels turn, where that is wrong. Not where they turn opposite ways.
+  /// The wheels' turn as a multiple of the gyro's, if it is wrong. Not while they turn opposite ways.
   [[nodiscard]] std::optional<double> wrong_turn_scale() const;
-  /// That multiple is beyond any track width, or the gyro lies: its rate has nothing to do with how the vehicle turns.
+  /// That multiple is beyond any track width, or the gyro is lying: its rate is unrelated to the vehicle's turn.
   [[nodiscard]] bool gyro_is_wrong() const;
-  /// The axis of the gyro, 1 of length, imu frame, that points up, where that is another one than the accelerometer's.
+  /// Unit vector, imu frame: the axis of the gyro that points up, if it is not the accelerometer's.
   [[nodiscard]] std::optional<Eigen::Vector3d> lying_gyro() const;
-  /// As what the IMU measures ahead (x) and to the left (y), where that is mirrored: (0, 1) means that its x is the
-  /// vehicle's left. No rotation in vehicle.imu mends that.
+  /// The IMU's reading of a force ahead (x) and to the left (y), if the axes are mirrored: (0, 1) means that its x is
+  /// the vehicle's left. No rotation in vehicle.imu corrects that.
   [[nodiscard]] std::optional<Eigen::Vector2d> mirrored() const;
-  /// rad, what vehicle.imu's yaw lacks; about pi where both wheels count backwards.
+  /// rad, correction to vehicle.imu's yaw; about pi where both wheels count backwards.
   [[nodiscard]] std::optional<double> missing_yaw() const;
 
  private:
@@ -87,26 +90,26 @@ class MountingWatch {
   bool tilted_ = false;
 
   std::optional<base::WheelSample> begin_;
-  int imu_samples_ = 0;  // of the present interval, with their sums
+  int imu_samples_ = 0;  // in the current interval, with their sums
   Eigen::Vector3d force_sum_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d rate_sum_ = Eigen::Vector3d::Zero();
   std::optional<Interval> before_;
 
   TurnFit turn_;
-  int against_ = 0;  // stretches in a row in which they turned opposite ways
+  int against_ = 0;  // consecutive stretches in which they turned opposite ways
   bool opposite_ = false;
   TurnScale turn_scale_;
-  TurnFit upright_;                                  // of the rate about z,
-  std::array<TurnFit, 2> level_;                     // x, y, of late
-  double turning_ = 0.0;                             // s, of late
-  Eigen::Vector2d lying_ = Eigen::Vector2d::Zero();  // its axis
+  TurnFit upright_;                                  // of the rate about z
+  std::array<TurnFit, 2> level_;                     // x, y, over the last seconds
+  double turning_ = 0.0;                             // s, over the last seconds
+  Eigen::Vector2d lying_ = Eigen::Vector2d::Zero();  // the lying gyro's axis
 
   double mean_seconds_ = 0.0;
-  Complex mean_force_, mean_motion_;                 // what is slow: tilt, bias
+  Complex mean_force_, mean_motion_;                 // slow part: tilt, bias
   double force_square_ = 0.0, motion_square_ = 0.0;  // integrals, m^2/s^3
   Complex product_, mirror_product_;                 // of the force with the motion, and with its mirror image
   bool turned_ = false;
-  double hand_seconds_ = 0.0, hand_motion_ = 0.0;  // without a break, in which the mirror image explains it
+  double hand_seconds_ = 0.0, hand_motion_ = 0.0;  // in a row, in which the mirror image explains the force
   bool mirrored_ = false;
 };
 

@@ -8,31 +8,31 @@
 
 namespace curbstone::ekf::mounting {
 
-/// The wheels' yaw rate as a multiple of the gyro's, plus one of the speed where a wheel is not as large as configured,
-/// stuck or backwards: least squares over a stretch of the drive. A value type; one thread.
+/// Fits the wheels' yaw rate as a multiple of the gyro's plus a multiple of the speed (a wheel with a wrong radius,
+/// stuck or counting backwards): least squares over a stretch of the drive. A value type; one thread.
 class TurnFit {
  public:
-  /// A mean over an interval: m/s, rad/s.
+  /// Adds means over an interval: m/s, rad/s.
   void add(double seconds, double speed, double wheel_rate, double gyro_rate) {
     const Eigen::Vector3d rates(gyro_rate, speed, wheel_rate);
     products_ += seconds * rates * rates.transpose();
     seconds_ += seconds;
   }
-  /// What was until now counts less.
+  /// Reduces the weight of earlier intervals.
   void fade(double share) {
     products_ *= share;
     seconds_ *= share;
   }
   [[nodiscard]] double seconds() const { return seconds_; }
-  /// rad^2/s, integral of the gyro's square, less what goes with the speed.
+  /// rad^2/s, integral of the gyro's squared rate, without the part proportional to the speed.
   [[nodiscard]] double turn() const { return products_(0, 0) - products_(0, 1) * products_(0, 1) / speeds(); }
-  /// Likewise of the wheels.
+  /// Likewise for the wheels.
   [[nodiscard]] double wheel_turn() const { return products_(2, 2) - products_(1, 2) * products_(1, 2) / speeds(); }
-  /// The multiple of the gyro's rate. There must be some turn.
+  /// The multiple of the gyro's rate. Requires some turn.
   [[nodiscard]] double gain() const {
     return (products_(0, 2) - products_(0, 1) * products_(1, 2) / speeds()) / turn();
   }
-  /// Share of the wheels' square, less what goes with the speed, that the gyro's rate explains.
+  /// Share of wheel_turn() that the gyro's rate explains.
   [[nodiscard]] double explained() const { return gain() * gain() * turn() / std::max(wheel_turn(), 1e-12); }
 
  private:
@@ -42,13 +42,12 @@ class TurnFit {
   double seconds_ = 0.0;
 };
 
-/// Whether the wheels turn by another multiple than 1 of the gyro's turn, in all but one of the last stretches of
-/// turning: the track width is not the vehicle's, as that of a skid steer is not the distance of its wheels, or the
-/// gyro's scale is wrong. The sensors do not tell which. Where the gyro does not turn at all the multiple is kNoTurn. A
-/// value type; one thread.
+/// Detects that the wheels turn by another multiple than 1 of the gyro's turn, in all but one of the last stretches of
+/// turning: the track width is wrong (that of a skid steer is not the distance of its wheels), or the gyro's scale is.
+/// The sensors do not show which. If the gyro does not turn at all the multiple is kNoTurn. A value type; one thread.
 class TurnScale {
  public:
-  static constexpr double kMostWrong = 0.12;  ///< what slip, and a track width measured by hand, may cause
+  static constexpr double kMostWrong = 0.12;  ///< margin for slip and for a track width measured by hand
   static constexpr double kNoTurn = 100.0;
 
   /// As TurnFit::add().
@@ -58,7 +57,7 @@ class TurnScale {
     const bool turns = std::max(fit_.turn(), fit_.wheel_turn()) >= kLeastTurn;
     if (turns && fit_.seconds() >= kLeastSeconds) judge_stretch();
   }
-  /// The multiple where it is wrong.
+  /// The multiple, if it is wrong.
   [[nodiscard]] std::optional<double> wrong() const {
     if (known_ < kStretches) return {};
     std::array<double, kStretches> sorted = gains_;
@@ -67,7 +66,7 @@ class TurnScale {
     if (least < kMostWrong && most > -kMostWrong) return {};
     return sorted[kStretches / 2];
   }
-  /// Whether a track width may explain the multiple.
+  /// Whether a wrong track width may explain the multiple.
   [[nodiscard]] static bool is_plausible(double multiple) {
     return std::abs(multiple) > 1 / kMostScale && std::abs(multiple) < kMostScale;
   }
@@ -79,10 +78,10 @@ class TurnScale {
   static constexpr double kStill = 0.02;  // of the wheels' square
   static constexpr std::size_t kStretches = 5;
   static constexpr double kMostScale = 5.0;
-  static constexpr double kRunsAway = 0.4;  // rad/s, that no driving vehicle turns against its wheels,
-  static constexpr double kLongAway = 1.0;  // s, so long
+  static constexpr double kRunsAway = 0.4;  // rad/s, in addition to kMostScale times the wheels' rate
+  static constexpr double kLongAway = 1.0;  // s, for that long
   static constexpr double kDriving = 0.3;   // m/s
-  /// A gyro in another unit runs away from the wheels: one look is enough.
+  /// A gyro in another unit exceeds the wheels' yaw rate by far: kLongAway of it is enough.
   void note_run_away(double seconds, double speed, double wheel_rate, double gyro_rate) {
     const bool away = std::abs(gyro_rate) > kRunsAway + kMostScale * std::abs(wheel_rate);
     away_ = away && std::abs(speed) > kDriving && !gyro_turns_ ? away_ + seconds : 0.0;
@@ -96,7 +95,7 @@ class TurnScale {
     if (by_wheels_alone && !gyro_turns_) {
       note(kNoTurn);
     } else if (!gyro_turned) {
-      return;  // the stretch goes on
+      return;  // the stretch continues
     } else if (fit_.explained() > kExplained) {
       note(fit_.gain());
       gyro_turns_ = gyro_turns_ || is_plausible(fit_.gain());
@@ -113,7 +112,7 @@ class TurnScale {
   std::array<double, kStretches> gains_{};
   std::size_t known_ = 0;
   double away_ = 0.0;        // s
-  bool gyro_turns_ = false;  // it has, as the wheels: if they turn without it later, they slip
+  bool gyro_turns_ = false;  // the gyro has turned as the wheels do: if they turn without it later, they slip
 };
 
 }  // namespace curbstone::ekf::mounting

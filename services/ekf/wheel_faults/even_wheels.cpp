@@ -8,9 +8,9 @@ namespace curbstone::ekf::wheel_faults {
 namespace {
 
 constexpr std::size_t kLeastOfPoints = 6;
-constexpr double kOneLeap = 0.5;     // of the change, within two intervals: a leap of the IMU
-constexpr double kNoSpeed = 5.0;     // sigma of its noise: less is no other speed
-constexpr double kSteadyTime = 0.5;  // s, at either end, over which its acceleration is compared
+constexpr double kOneLeap = 0.5;     // share of the change that, within two intervals, is a leap of the IMU
+constexpr double kNoSpeed = 5.0;     // sigma of the speed's noise: less is no change
+constexpr double kSteadyTime = 0.5;  // s at either end, over which its acceleration is compared
 
 }  // namespace
 
@@ -25,7 +25,7 @@ void EvenWheels::add(const inputs::WheelInterval& interval, double inertial_spee
   next.variance += noise * noise * interval.duration();
   points_.push_back(next);
   while (duration() > kMost) points_.pop_front();
-  // What no longer lies on one line: the newer half may.
+  // If the points no longer lie on one line, the newer half may.
   while (points_.size() > 2 && !rolls_evenly())
     points_.erase(points_.begin(), points_.begin() + static_cast<std::ptrdiff_t>(points_.size() / 2));
   even_ = points_.size() >= kLeastOfPoints && duration() >= kLeast;
@@ -56,7 +56,7 @@ double EvenWheels::acceleration(std::size_t from, std::size_t to) const {
   return (points_[to].inertial_speed - points_[from].inertial_speed) / (points_[to].seconds - points_[from].seconds);
 }
 
-/// Since then, not by one leap, and goes on as it did at first.
+/// Whether the IMU's speed has changed since `from`, not in one leap, and now continues as at first.
 bool EvenWheels::felt_another_speed(std::size_t from) const {
   const std::size_t last = points_.size() - 1;
   std::size_t first_end = from + 1;
@@ -64,7 +64,7 @@ bool EvenWheels::felt_another_speed(std::size_t from) const {
   std::size_t last_begin = last - 1;
   while (last_begin > from && points_[last].seconds - points_[last_begin].seconds < kSteadyTime) --last_begin;
   const double at_first = acceleration(from, first_end);
-  const auto changed = [&](std::size_t a, std::size_t b) {  // m/s, beyond what it did at first
+  const auto changed = [&](std::size_t a, std::size_t b) {  // m/s, beyond the first acceleration
     return std::abs(points_[b].inertial_speed - points_[a].inertial_speed -
                     at_first * (points_[b].seconds - points_[a].seconds));
   };
@@ -72,7 +72,7 @@ bool EvenWheels::felt_another_speed(std::size_t from) const {
   for (std::size_t i = from + 2; i <= last; ++i) leap = std::max(leap, changed(i - 2, i));
   const double change = changed(from, last);
   const double span = points_[last].seconds - points_[from].seconds;
-  // What it did at first is known as well as its noise lets half a second tell, and is drawn out over the span.
+  // The first acceleration is known only to the noise over half a second, and is extrapolated over the span.
   const double first = points_[first_end].seconds - points_[from].seconds;
   const double of_first = std::sqrt(points_[first_end].variance - points_[from].variance) * span / first;
   const double noise = std::hypot(std::sqrt(points_[last].variance - points_[from].variance), of_first);

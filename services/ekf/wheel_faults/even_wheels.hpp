@@ -9,39 +9,41 @@
 
 namespace curbstone::ekf::wheel_faults {
 
-/// Whether the wheels' counts are made up: both turn on evenly, to fractions of a millimetre, while the IMU speeds up
-/// or slows down and then goes on evenly too. So does a gateway that repeats the speed of before, or a drive that
-/// counts what it was told and not what it measures. What the IMU's noise adds up to is no other speed. No road lets
-/// both wheels of a real vehicle roll so evenly; and where a simulator's do, its IMU feels nothing meanwhile, or an IMU
-/// that was knocked askew goes on to feel it.
+/// Detects counts that are made up: both wheels turn evenly, to fractions of a millimetre, while the IMU's speed
+/// changes and then stays even too. A gateway that repeats an old speed does this, and a drive that counts its set
+/// point instead of the measured motion. A change within the IMU's noise does not count. On no road do both wheels of a
+/// real vehicle roll so evenly. The wheels of a simulator may, but then its IMU shows no change, and an IMU that was
+/// knocked askew continues to show one.
 ///
-/// Counters of 2048 steps and more; stamps that jitter, or counts that are coarser, hide it. Pure; one thread.
+/// Requires counters of 2048 steps or more; stamp jitter and coarser counts hide the effect. Pure; one thread.
 class EvenWheels {
  public:
-  static constexpr double kLeast = 1.5;     ///< s that they have turned so,
-  static constexpr double kMost = 15.0;     ///< of which this much is remembered
-  static constexpr double kWay = 8e-4;      ///< m, by which the way may be off an even one: three steps
-  static constexpr double kSpeed = 0.3;     ///< m/s, that both wheels show at least
-  static constexpr double kChange = 0.5;    ///< m/s, of the IMU's speed,
-  static constexpr double kDrift = 0.04;    ///< m/s^2, and what an IMU may drift by
-  static constexpr double kSettled = 0.15;  ///< m/s^2, by which it accelerates otherwise than before
+  static constexpr double kLeast = 1.5;  ///< s, minimum duration of even turning
+  static constexpr double kMost = 15.0;  ///< s, of which are remembered
+  static constexpr double kWay = 8e-4;  ///< m, maximum distance of the travel from a straight line: three counter steps
+  static constexpr double kSpeed = 0.3;     ///< m/s, minimum speed of both wheels
+  static constexpr double kChange = 0.5;    ///< m/s, minimum change of the IMU's speed
+  static constexpr double kDrift = 0.04;    ///< m/s^2, drift of the IMU's speed that is allowed in addition
+  static constexpr double kSettled = 0.15;  ///< m/s^2, maximum difference between its first and its last acceleration
 
-  /// The next interval. Where it does not begin at the last one's end, all begins anew. `inertial_speed`: m/s, by the
-  /// IMU alone since any start, mean over it; `noise`: m/s^2/sqrt(Hz), of that beyond what any IMU has.
+  /// Adds the next interval. If it does not begin at the last one's end, everything restarts. `inertial_speed`: m/s,
+  /// integrated from the IMU alone from an arbitrary zero, mean over the interval; `noise`: m/s^2/sqrt(Hz), its noise
+  /// beyond the usual.
   void add(const inputs::WheelInterval& interval, double inertial_speed, double noise);
-  /// Both turn evenly.
+  /// Whether both wheels turn evenly.
   [[nodiscard]] bool even() const { return even_; }
-  /// And the IMU has felt another speed, not by one leap, and does no longer: they are made up.
+  /// Whether, in addition, the IMU has measured a change of speed that was not a single leap and has ended: the counts
+  /// are made up.
   [[nodiscard]] bool made_up() const { return made_up_; }
-  /// m/s, by which that differs from the one of before.
+  /// m/s, the change of the IMU's speed.
   [[nodiscard]] double change() const { return change_; }
 
  private:
   struct Point {
     double seconds = 0.0;            // since the first
     std::array<double, 2> way = {};  // m, at the end of an interval
-    double inertial_speed = 0.0;     // m/s, mean over it
-    double variance = 0.0;           // m^2/s^2, since the first, by the noise
+    double inertial_speed = 0.0;     // m/s, mean over the interval
+    double variance = 0.0;           // m^2/s^2, of the speed since the first point, due to noise
   };
   [[nodiscard]] double duration() const { return points_.back().seconds - points_.front().seconds; }
   [[nodiscard]] bool rolls_evenly() const;

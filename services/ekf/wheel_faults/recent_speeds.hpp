@@ -9,7 +9,7 @@
 
 namespace curbstone::ekf::wheel_faults {
 
-/// The speed by the wheels and by the IMU within the last two intervals, and whose has leapt. Pure; one thread.
+/// The speeds of wheels and IMU over the last two intervals, and which of them has leapt. Pure; one thread.
 class RecentSpeeds {
  public:
   void add(const WheelLook& look) {
@@ -17,13 +17,13 @@ class RecentSpeeds {
     speeds_.back() = {look.end, 0.5 * (look.speed[0] + look.speed[1]), look.inertial_speed};
     known_ = std::min(known_ + 1, static_cast<int>(speeds_.size()));
   }
-  /// The intervals were interrupted.
+  /// Call it where intervals are missing.
   void interrupt() { known_ = 0; }
 
   struct Leap {
-    double wheels = 0.0;  ///< m/s, by which the wheels' speed has changed more than the IMU's
-    bool imu = false;     ///< the IMU's has changed, and the wheels' has not
-    double apart = 0.0;   ///< m/s, by which the wheels have come away from the IMU because the IMU's has changed
+    double wheels = 0.0;  ///< m/s, change of the wheels' speed minus that of the IMU's, magnitudes
+    bool imu = false;     ///< the IMU's speed has leapt, and the wheels' has not
+    double apart = 0.0;   ///< m/s, by which the wheels' speed differs since, if that is due to a change of the IMU's
   };
   [[nodiscard]] Leap leap() const {
     const double of_wheels = speeds_.back().wheels - speeds_.front().wheels;
@@ -35,7 +35,7 @@ class RecentSpeeds {
 
  private:
   static constexpr double kLeap = 0.5;  // m/s
-  static constexpr double kStep = 1.0;  // m/s^2: as a vehicle drives off, wheels that do not turn lag by less
+  static constexpr double kStep = 1.0;  // m/s^2: when a vehicle drives off, wheels that do not turn lag by less
   struct Speeds {
     std::int64_t end = 0;            // us
     double wheels = 0.0, imu = 0.0;  // m/s

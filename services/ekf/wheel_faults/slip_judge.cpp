@@ -10,7 +10,7 @@ void SlipJudge::judge(const inputs::WheelInterval& interval, const std::array<do
   if (faulty != faulty_) detector_.reset();
   faulty_ = faulty;
   const double gyro = window.motion().angular_rate.z();
-  double speed = 0.0;  // of both wheels, or of the middle by the one that is trusted
+  double speed = 0.0;  // m/s, mean of both wheels, or the middle's speed from the trusted wheel
   double yaw_rate = model::wheel_yaw_rate(state, interval.speed, geometry_);
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
     const double arm = (wheel == 0 ? -0.5 : 0.5) * geometry_.track_width * (1.0 + state.wheel_scale[2]);
@@ -34,7 +34,7 @@ void SlipJudge::judge(const inputs::WheelInterval& interval, const std::array<do
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
     if (faulty[wheel]) continue;
     const bool far_off = distances[wheel] > config_.refuse * config_.refuse;
-    // Where only the yaw rates disagree, the wheel that is farther off is the one.
+    // If only the yaw rates disagree, the wheel with the larger distance slips.
     const bool worse = distances[wheel] >= distances[1 - wheel];
     if (!far_off && !signs.speeding && !(signs.turning && worse)) continue;
     if (!slipping(wheel, interval.end)) counters.add(wheel == 0 ? "slips.left" : "slips.right");

@@ -9,12 +9,12 @@ namespace curbstone::ekf::wheel_faults {
 
 namespace {
 
-constexpr double kAllWrong = 0.25;   // of the speed, by which all are: a wrong radius is less
-constexpr int kMostPatiences = 2;    // that it waits in vain
-constexpr double kTransition = 0.5;  // s, in which it is neither as it was nor as it will be
-constexpr double kStroke = 0.8;      // of the first difference within two intervals: at a stroke
-constexpr double kAtOnce = 0.6;  // of what they differ by since: a leap; wheels that are wrong grow apart with speed
-constexpr double kMostAstray = 2.0;  // ways, by which it may be astray
+constexpr double kAllWrong = 0.25;   // share of the speed by which all wheels are wrong: a wrong radius causes less
+constexpr int kMostPatiences = 2;    // number of patiences to wait without a decision
+constexpr double kTransition = 0.5;  // s, after which the difference has settled
+constexpr double kStroke = 0.8;      // share of the first difference that, within two intervals, means at once
+constexpr double kAtOnce = 0.6;  // share of the later difference that is a leap; that of wrong wheels grows with speed
+constexpr double kMostAstray = 2.0;  // upper bound of the position error, as a multiple of the distance
 
 }  // namespace
 
@@ -46,7 +46,7 @@ void WheelDispute::note(const RecentSpeeds::Leap& leap) {
 
 bool WheelDispute::imu_leapt() const {
   if (leap_.imu) return true;
-  double difference = 0.0;  // m/s, of the wheels on average
+  double difference = 0.0;  // m/s, mean over the wheels
   int wheels = 0;
   for (std::size_t i = 0; i < 2; ++i) {
     if (!trusted_[i]) continue;
@@ -56,7 +56,7 @@ bool WheelDispute::imu_leapt() const {
   return wheels > 0 && leap_.apart * difference > 0 && std::abs(leap_.apart) > kAtOnce * std::abs(difference / wheels);
 }
 
-/// What was before the newest patience is one part, once there was one in vain.
+/// After a patience without a decision, all time before the newest patience is one part.
 std::size_t WheelDispute::part_at(double since) const {
   const double share = since / settings_.patience - patiences_;
   const std::size_t parts = patiences_ > 0 ? kParts - 1 : kParts;

@@ -11,40 +11,40 @@
 
 namespace curbstone::ekf::wheel_faults {
 
-/// All trusted wheels are refused without a break: either they are wrong, or the filter is. By how the two came apart
-/// it finds whose fault it is.
+/// Decides, while all trusted wheels are refused without a break, whether the wheels are wrong or the filter is, from
+/// the way in which the two came apart.
 ///
-/// It is the wheels' if each of them shows the same multiple of the filter's speed in every part of the time, one that
-/// no wrong radius explains, and the IMU did not leap: neither far, nor by most of what they have differed by since,
-/// which at an even speed looks like a multiple. Else it is the filter's. Where a filter that drifts explains the
-/// wheels as well (it speeds up evenly), it waits for more. Pure; one thread.
+/// The wheels are wrong if each of them shows the same multiple of the filter's speed in every part of the time, one
+/// that no wrong radius explains, and the IMU did not leap: neither far, nor by most of the later difference (which at
+/// an even speed looks like a multiple). Otherwise the filter is wrong. Where a drift of the filter explains the
+/// difference as well (the vehicle speeds up evenly), the decision waits for more data. Pure; one thread.
 class WheelDispute {
  public:
   struct Settings {
-    double patience;     ///< s, after which finding() is asked for
+    double patience;     ///< s after which finding() is called
     double track_width;  ///< m
   };
-  /// `begin`: us, from when on they are refused; `leap`: what the speeds did by its first interval's end.
+  /// `begin`: us, since when the wheels are refused; `leap`: the speeds' change up to the end of the first interval.
   WheelDispute(const Settings& settings, std::int64_t begin, const RecentSpeeds::Leap& leap)
       : settings_(settings), leap_(leap), begin_(begin), end_(begin) {}
 
-  /// The next interval in which all wheels that are `trusted` (one at least) are refused.
+  /// Adds the next interval in which all `trusted` wheels (at least one) are refused.
   void add(const WheelLook& look, const std::array<bool, 2>& trusted);
 
-  /// What the speeds did by the newest interval's end: a leap may take some of them.
+  /// Takes the speeds' change up to the newest interval's end: a leap may take several intervals.
   void note(const RecentSpeeds::Leap& leap);
 
-  /// Whose fault it is; kNone: either explains it.
+  /// Which one is wrong; kNone: undecided, because either explains the difference.
   enum class Finding { kNone, kWheels, kFilter };
   [[nodiscard]] Finding finding() const;
-  /// Waits for another patience, after kNone.
+  /// Waits for another patience after kNone.
   void await_more();
 
-  /// What a wheel showed in all that time.
+  /// All evidence of a wheel.
   [[nodiscard]] WheelEvidence evidence(std::size_t wheel) const;
 
-  /// How far the wheels may have led the filter astray, which had driven `way` m by them: they pull it along before
-  /// they are refused. Those that went wrong at a stroke have not.
+  /// How far the wheels may have pulled the filter off before they were refused, after `way` m driven with them. Wheels
+  /// that went wrong at once have not.
   struct Astray {
     double speed = 0.0;    ///< m/s
     double place = 0.0;    ///< m
@@ -52,11 +52,11 @@ class WheelDispute {
   };
   [[nodiscard]] Astray astray(double way) const;
 
-  /// m/s, the newest that the filter expected of the wheels.
+  /// m/s, the filter's latest expectation of the wheels' speed.
   [[nodiscard]] double expected_speed() const { return expected_speed_; }
 
-  static constexpr double kFrozen = 0.02;  ///< of the speed: a wheel that shows less stands still
-  static constexpr double kBefore = 0.5;   ///< s that a drifting filter takes to be refused
+  static constexpr double kFrozen = 0.02;  ///< share of the speed: a wheel that shows less stands still
+  static constexpr double kBefore = 0.5;   ///< s that a drifting filter takes until it is refused
 
  private:
   static constexpr std::size_t kParts = 4;
@@ -68,9 +68,9 @@ class WheelDispute {
   RecentSpeeds::Leap leap_;
   std::int64_t begin_, end_;       // us
   std::array<bool, 2> trusted_{};  // the wheels
-  std::array<Parts, 2> parts_{};   // of the patience, of each wheel; later, of what was before, and the newest one
-  int patiences_ = 0;              // that have passed in vain
-  std::optional<double> first_difference_;  // m/s, of the wheels from the filter, when it began
+  std::array<Parts, 2> parts_{};   // by wheel, of the patience; later: [0] all before it, the others the newest one
+  int patiences_ = 0;              // number of patiences without a decision
+  std::optional<double> first_difference_;  // m/s, wheels minus filter, at the beginning
   double expected_speed_ = 0.0;             // m/s
 };
 

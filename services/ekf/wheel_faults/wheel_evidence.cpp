@@ -7,15 +7,15 @@ namespace curbstone::ekf::wheel_faults {
 
 namespace {
 
-constexpr double kFit = 0.05;         // m/s, to which any explanation may be wrong
-constexpr double kUnexplained = 0.2;  // of the difference's square, at most
+constexpr double kFit = 0.05;         // m/s, noise that is allowed for any explanation
+constexpr double kUnexplained = 0.2;  // maximum share of the difference's square
 constexpr double kMostTrack = 1.0;    // track widths by which the configured one may be wrong: a skid steer's
-constexpr double kSame = 0.2;         // of a multiple, and of its distance from 1: so far apart they are the same,
-constexpr double kPulled = 0.3;       // m/s, at most, by which wheels pull the filter along before they are refused
-constexpr double kTurns = 0.2;        // of the speed: what shows less does not turn
-constexpr double kUnsure = 0.05;      // m/s, if that much of speed would make them
+constexpr double kSame = 0.2;         // share of a multiple, and of its distance from 1, within which two are the same
+constexpr double kPulled = 0.3;       // m/s, maximum by which wheels pull the filter along before they are refused
+constexpr double kTurns = 0.2;        // share of the speed: a wheel that shows less does not turn
+constexpr double kUnsure = 0.05;      // m/s, error of a part's mean speed
 
-/// What is left of the square of `yy` when x explains it as well as it can.
+/// Residual of the sum of squares `yy` after a least-squares fit of x.
 double left_over(double yy, double yx, double xx) {
   return xx > 0 ? yy - yx * yx / xx : yy;
 }
@@ -66,9 +66,10 @@ double WheelEvidence::ratio_beyond(double offset) const {
   return of(kEe) > 0 ? 1.0 + (of(kDe) - offset * of(kE)) / of(kEe) : 1.0;
 }
 
-/// m/s that the wheel shows beyond its multiple, as far as its speeds tell. What does not turn shows none.
+/// Constant part of the difference in addition to the multiple, m/s, as far as the speeds show it. 0 for a wheel that
+/// does not turn.
 double WheelEvidence::offset() const {
-  const double likely = noise() / (kPulled * kPulled);  // weighs that it is small
+  const double likely = noise() / (kPulled * kPulled);  // prior weight for a small offset
   const double of_speeds = of(kEe) * (of(kSeconds) + likely) - of(kE) * of(kE);
   if (of_speeds <= 0) return 0.0;
   const double offset = std::clamp((of(kD) * of(kEe) - of(kDe) * of(kE)) / of_speeds, -kPulled, kPulled);

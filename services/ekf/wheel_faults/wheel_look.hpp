@@ -8,19 +8,19 @@
 
 namespace curbstone::ekf::wheel_faults {
 
-/// An interval of the wheels while the vehicle drives, and what the filter expected of it. Left and right.
+/// An interval of the wheels while the vehicle drives, with the filter's expectation. Arrays are left, right.
 struct WheelLook {
   std::int64_t begin = 0;               ///< us
   std::int64_t end = 0;                 ///< us
   std::array<double, 2> speed = {};     ///< m/s, of the wheels
-  std::array<double, 2> expected = {};  ///< m/s, of the wheels, by the filter
-  std::array<double, 2> sigma = {};     ///< m/s, 1 sigma of their difference
-  std::array<bool, 2> refused = {};     ///< the wheel is taken to slip
+  std::array<double, 2> expected = {};  ///< m/s, the filter's expectation of the wheels
+  std::array<double, 2> sigma = {};     ///< m/s, 1 sigma of the difference
+  std::array<bool, 2> refused = {};     ///< the wheel counts as slipping
   double yaw_rate = 0.0;                ///< rad/s, by the gyro
-  double inertial_speed = 0.0;          ///< m/s, integral of forward acceleration since any start
+  double inertial_speed = 0.0;          ///< m/s, integrated forward acceleration from an arbitrary zero
 
   [[nodiscard]] double seconds() const { return base::seconds_between(begin, end); }
-  /// m/s, of the wheel from the filter.
+  /// m/s, wheel minus filter.
   [[nodiscard]] double difference(std::size_t wheel) const { return speed[wheel] - expected[wheel]; }
 };
 

@@ -7,12 +7,12 @@ namespace curbstone::ekf::wheel_faults {
 
 namespace {
 
-constexpr double kForgiven = 0.5;    // s of refusal that a second without is worth
-constexpr double kOneWrong = 0.05;   // of the speed, by which one wheel is: a flat tyre is less
-constexpr double kLeastSpeed = 0.3;  // m/s: what agrees more slowly proves little,
-constexpr double kSharp = 0.1;       // and so does what is not known to this share
-constexpr double kNear = 3.3;        // sigma, as the chi-square gates have it
-constexpr double kFar = 5.0;         // sigma, that end an agreement
+constexpr double kForgiven = 0.5;    // s of refusal that a second without refusal cancels
+constexpr double kOneWrong = 0.05;   // share of the speed by which one wheel is wrong: a flat tyre causes less
+constexpr double kLeastSpeed = 0.3;  // m/s: agreement at a lower speed proves little
+constexpr double kSharp = 0.1;       // share to which the speed must be known: otherwise agreement proves little
+constexpr double kNear = 3.3;        // sigma, as in the chi-square gates
+constexpr double kFar = 5.0;         // sigma that reset an agreement
 constexpr double kMoving = 0.1;      // m/s
 
 }  // namespace

@@ -13,18 +13,19 @@
 
 namespace curbstone::ekf::wheel_faults {
 
-/// Wheels that disagree for good: a shaft that is broken, an encoder that is unplugged or counts in other steps. Slip
-/// ends (SlipJudge); these do not, so a wheel that is found faulty is withheld until it has agreed for kAgreement.
+/// Detects wheels that are permanently wrong: a broken shaft, an unplugged encoder, or an encoder with another number
+/// of counts. Slip ends (SlipJudge); these faults do not, so a faulty wheel is withheld until it has agreed for
+/// kAgreement.
 ///
-/// What is wrong for good shows the same multiple of the true speed all the time, and one that no wrong radius
-/// explains. Stamps that jitter, a track width that is not the configured one, an IMU that has drifted or was hit make
-/// wheels disagree too, but not so. Without that proof no wheel is faulty.
+/// A permanently wrong wheel shows the same multiple of the true speed all the time, and one that no wrong radius
+/// explains. Stamp jitter, a wrong track width, and an IMU that has drifted or was hit make wheels disagree too, but
+/// not by a constant multiple. Without that proof no wheel is faulty.
 ///
 /// - One of the trusted wheels is refused for more than a third of the time until that adds up to the patience: the
-///   filter is held by the others, and the wheel is faulty if it shows such a multiple.
+///   others hold the filter, and the wheel is faulty if it shows such a multiple.
 /// - All of them are refused for the patience without a break: either they are wrong, or the filter is (WheelDispute).
-/// - Both turn on evenly while the IMU has felt another speed (EvenWheels): both are faulty at once, and are
-///   for as long as they turn so.
+/// - Both turn evenly while the IMU has measured a change of speed (EvenWheels): both are faulty at once, for as long
+///   as they turn evenly.
 ///
 /// Pure; one thread.
 class WheelWatch {
@@ -32,42 +33,43 @@ class WheelWatch {
   WheelWatch(const base::SlipConfig& config, double track_width) : config_(config), track_width_(track_width) {}
 
   void add(const WheelLook& look);
-  /// Every interval of the wheels, also where the filter's belief is too poor for add(). `inertial_speed` and
-  /// `noise`: as of EvenWheels. True where both are found to be made up with it.
+  /// Takes every interval of the wheels, also where the filter's belief is too poor for add(). `inertial_speed` and
+  /// `noise`: as in EvenWheels. Returns true in the interval in which both are found to be made up.
   [[nodiscard]] bool finds_made_up(const inputs::WheelInterval& interval, double inertial_speed, double noise);
-  /// The intervals were interrupted.
+  /// Call it where intervals are missing.
   void interrupt();
-  /// The filter has gone back to what it believed without the wheels: interrupted, and they have not led it astray.
+  /// The filter has returned to its belief without the wheels: as interrupt(), and the wheels have not pulled it off.
   void restored();
-  /// It stands: interrupted, and its speed is known.
+  /// The vehicle stands: as interrupt(), and its speed is known.
   void stand();
 
   using Finding = WheelDispute::Finding;
-  /// Whose fault it is that all wheels have been refused for the patience. If it is theirs, they are faulty from now
-  /// on. kNone: ask again after another patience.
+  /// Decides what is wrong after all wheels have been refused for the patience. If the wheels are, they are faulty from
+  /// now on. kNone: call again after another patience.
   Finding settle();
 
   [[nodiscard]] bool faulty(std::size_t wheel) const { return wheels_[wheel].faulty; }
   [[nodiscard]] bool all_faulty() const { return faulty(0) && faulty(1); }
-  /// Both are faulty because they turn on evenly, whatever the vehicle does.
+  /// Both are faulty because they turn evenly whatever the vehicle does.
   [[nodiscard]] bool made_up() const { return made_up_; }
-  /// m/s, by which the IMU says that the vehicle has changed its speed while they were.
+  /// m/s, the vehicle's change of speed by the IMU while they turned evenly.
   [[nodiscard]] double hidden_change() const { return even_.change(); }
-  /// The speed that a faulty wheel shows, as a multiple of the true one.
+  /// A faulty wheel's speed as a multiple of the true one.
   [[nodiscard]] double ratio(std::size_t wheel) const { return wheels_[wheel].evidence.ratio(); }
-  /// Wheels without travel prove nothing: all that are trusted are refused while the filter moves, or all are faulty
-  /// and one of them does not turn.
+  /// Whether wheels without travel do not prove a standstill: all trusted wheels are refused while the filter moves, or
+  /// all are faulty and one of them does not turn.
   [[nodiscard]] bool hides_motion() const;
-  /// How far wheels that were found faulty last, all of them, may have led the filter astray since it stood.
+  /// How far the wheels that were last found faulty (all of them) may have pulled the filter off since the vehicle
+  /// stood.
   [[nodiscard]] const WheelDispute::Astray& astray() const { return astray_; }
 
-  static constexpr double kAgreement = 5.0;  ///< s of driving, after which a wheel is trusted again
+  static constexpr double kAgreement = 5.0;  ///< s of driving after which a wheel is trusted again
   static constexpr double kFrozen = WheelDispute::kFrozen;
 
  private:
   struct Wheel {
     bool faulty = false;
-    double refused = 0.0;    // s, less half of the time in between; at most the patience
+    double refused = 0.0;    // s, minus half of the time in between; at most the patience
     double agreed = 0.0;     // s, since it was found faulty
     WheelEvidence evidence;  // since it was first refused
   };
@@ -84,8 +86,8 @@ class WheelWatch {
   EvenWheels even_;
   bool made_up_ = false;
   RecentSpeeds recent_;
-  double way_ = 0;         // m, by the filter, since it stood, without disputes
-  bool restored_ = false;  // since the wheels agreed last
+  double way_ = 0;         // m, driven by the filter's estimate since the vehicle stood, without disputes
+  bool restored_ = false;  // since the wheels last agreed
   WheelDispute::Astray astray_;
 };
 

@@ -4,12 +4,12 @@
 
 namespace curbstone::lidar::models {
 
-/// What two in a row say. A device that says of itself what the packet before did not say may have been set otherwise,
-/// or the packet is damaged, for it has no checksum: the next one tells.
+/// A value that two consecutive packets agree on. A device information that differs from the previous one means that
+/// the device was reconfigured, or that the packet is damaged (it has no checksum): the next one decides.
 template <class Value>
 class Agreed {
  public:
-  /// Returns whether what is agreed on changed.
+  /// Returns whether the agreed value has changed.
   bool offer(const Value& value) {
     const bool agree = last_ && *last_ == value;
     last_ = value;

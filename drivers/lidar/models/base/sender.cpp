@@ -18,7 +18,7 @@ bool begins_with(std::span<const std::uint8_t> bytes, const Magic& magic) {
   return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
 }
 
-/// Older packets name the type in byte 30; newer ones a family in byte 31 and the model in byte 32. Source: RS-Helios
+/// Older packets have the type in byte 30; newer ones a family in byte 31 and the model in byte 32. Source: RS-Helios
 /// manuals, nebula 606ac41.
 Sender helios_of(std::span<const std::uint8_t> bytes) {
   const int type = bytes[30];
@@ -31,7 +31,7 @@ Sender helios_of(std::span<const std::uint8_t> bytes) {
   return Sender::kHelios;
 }
 
-/// A Helios has a table of elevations at 468, of a sign (0 or 1) and 0.01 deg each; an RS16 has nothing there.
+/// A Helios has a table of elevations at 468, with a sign (0 or 1) and 0.01 deg each; an RS16 has no data there.
 bool has_helios_angles(std::span<const std::uint8_t> bytes) {
   constexpr std::size_t kTable = 468;
   constexpr int kLasers = 16;

@@ -37,7 +37,7 @@ int be16(Bytes bytes, std::size_t at) {
   return read_big_endian<std::uint16_t>(bytes.subspan(at));
 }
 
-/// Nothing where there is none: a sign that is neither 0 nor 1.
+/// Nothing if the entry is invalid: a sign that is neither 0 nor 1, or a magnitude above `most`.
 std::optional<double> angle(Bytes bytes, std::size_t table, std::size_t laser, double most) {
   const std::size_t at = table + 3 * laser;
   const double size = be16(bytes, at + 1) * 0.01;
@@ -45,7 +45,7 @@ std::optional<double> angle(Bytes bytes, std::size_t table, std::size_t laser, d
   return bytes[at] == 1 ? -size : size;
 }
 
-/// How many lasers have angles, of which no two look the same way: 32, 16, or 0.
+/// Number of lasers with angles, if no two have the same direction: 32, 16, or 0.
 int read_angles(Bytes bytes, std::array<LaserAngles, kRecords>& angles) {
   std::size_t lasers = 0;
   for (; lasers < kRecords; ++lasers) {
@@ -61,8 +61,8 @@ int read_angles(Bytes bytes, std::array<LaserAngles, kRecords>& angles) {
   return static_cast<int>(whole);
 }
 
-/// Beams lie evenly: each step is like those beside it. Measured: steps of 1.3 to 4 deg, at most 1.55 times the larger
-/// of the two beside them, and at least 0.65 times the smaller.
+/// Elevations are evenly spread: each step is similar to its neighbours. Measured: steps of 1.3 to 4 deg, at most 1.55
+/// times the larger neighbour, and at least 0.65 times the smaller.
 bool are_spread_evenly(std::vector<double> elevations) {
   constexpr double kLow = -60, kHigh = 20;  // deg
   std::ranges::sort(elevations);

@@ -10,19 +10,19 @@
 
 namespace curbstone::lidar::models::helios {
 
-/// What a decoder needs to know of a Helios.
+/// Properties of a Helios that the decoder needs.
 struct DeviceInfo {
-  int rpm = 0;          ///< as set
+  int rpm = 0;          ///< set speed
   int fov_start = 0;    ///< 0.01 deg: it fires clockwise from here ...
   int fov_end = 36000;  ///< ... to here
   bool dual_return = false;
-  int lasers = 0;                              ///< that it tells the angles of; 0 = none
+  int lasers = 0;                              ///< number of lasers whose angles it reports; 0 = none
   std::array<LaserAngles, kRecords> angles{};  ///< by laser in firing order
 
   bool operator==(const DeviceInfo&) const = default;
 };
 
-/// How it is, for people.
+/// State of the device, for the operator.
 struct DeviceStatus {
   int rpm = 0;
   bool pps_locked = false;
@@ -34,16 +34,16 @@ struct DeviceStatus {
 
 struct DifopResult {
   decoding::Refusal refusal = decoding::Refusal::kNone;
-  DeviceInfo info;  ///< meaningless when refused
+  DeviceInfo info;  ///< undefined if refused
   DeviceStatus status;
 };
 
-/// Whether this is what a whole device says, where no second time confirms it: a speed that it can be set to and has,
-/// and elevations that are spread as a Helios' are. An elevation that is off by more than half the distance of its
-/// neighbours is noticed. One that is off by less, or an azimuth that is, cannot be.
+/// Whether this is plausible for a device where no second packet confirms it: a speed that can be set and is reached,
+/// and elevations that are spread as a Helios's are. An elevation that is wrong by more than half the distance to its
+/// neighbours is detected. A smaller error, or a wrong azimuth, is not.
 [[nodiscard]] bool is_plausible(const DeviceInfo& info, const DeviceStatus& status);
 
-/// Reads a Helios' device information. Any bytes may come. Source: RS-Helios-16P user manual; nebula 606ac41.
+/// Parses a Helios's device information. Any bytes are allowed. Source: RS-Helios-16P user manual; nebula 606ac41.
 [[nodiscard]] DifopResult parse_difop(std::span<const std::uint8_t> bytes);
 
 }  // namespace curbstone::lidar::models::helios

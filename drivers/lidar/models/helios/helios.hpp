@@ -7,11 +7,11 @@
 
 namespace curbstone::lidar::models::helios {
 
-/// What RoboSense's Helios are: their packets have one layout, and 16 or 32 lasers. Source: RS-Helios-16P user manual;
+/// Constants of RoboSense's Helios family: one packet layout, with 16 or 32 lasers. Source: RS-Helios-16P user manual;
 /// rs_driver 4eeadace; nebula 606ac41.
-inline constexpr std::size_t kRecords = 32;  ///< a block
+inline constexpr std::size_t kRecords = 32;  ///< per block
 inline constexpr std::size_t kBlocksPerPacket = 12;
-inline constexpr double kSequencePeriod = 55.56e-6;  ///< s: all lasers once
+inline constexpr double kSequencePeriod = 55.56e-6;  ///< s: each laser once
 inline constexpr double kLensOffset = 0.03498;       ///< m
 
 /// A model of the family.

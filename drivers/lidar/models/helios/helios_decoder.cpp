@@ -15,7 +15,7 @@ using decoding::Refusal;
 namespace {
 
 constexpr std::uint16_t kNoReturn = 0xFFFF;
-constexpr int kUnitChangesAfter = 10;                          // packets in a row
+constexpr int kUnitChangesAfter = 10;                          // consecutive packets
 constexpr std::uint64_t kLastSecond = std::uint64_t{1} << 40;  // beyond any clock
 
 Refusal check(const MsopPacket& packet) {
@@ -41,7 +41,7 @@ decoding::BlockRecords records_of(const MsopBlock& block) {
   return records;
 }
 
-/// Two returns: where a shot had but one, both are the same. `apart`: records from one return to the other.
+/// Two returns: if a shot has only one, both are equal. `apart`: records from one return to the other.
 void leave_out_repeats(const decoding::BlockRecords& first, decoding::BlockRecords& other, std::size_t apart) {
   for (std::size_t i = apart; i < kRecords; ++i) {
     const std::size_t of_first = i - apart;
@@ -95,7 +95,7 @@ Refusal HeliosDecoder::decode(std::span<const std::uint8_t> bytes, decoding::Dec
   if (!unit_is_credible(msop.distance_unit)) return Refusal::kBlock;
   const double distance_step = distance_step_.value_or(*unit_ == MsopPacket::k2_5mm ? 0.0025 : 0.005);
 
-  // A firing: the blocks of one azimuth, and the sequences in a block.
+  // A firing: the blocks with the same azimuth, and the sequences in a block.
   const bool sixteen = variant_.lasers == kRecords / 2;
   const std::size_t blocks_a_firing = dual_return_ && !sixteen ? 2 : 1;
   const std::size_t sequences = sixteen && !dual_return_ ? 2 : 1;

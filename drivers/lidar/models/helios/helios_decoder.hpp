@@ -15,11 +15,12 @@
 
 namespace curbstone::lidar::models::helios {
 
-/// Point packets of a Helios to points, once its angles are known. One thread.
+/// Decodes point packets of a Helios to points, once its angles are known. One thread.
 ///
 /// 16 lasers, one return: a block is two sequences. Two returns: a block is one sequence, its halves are the returns.
-/// 32 lasers, one return: a block is one sequence. Two returns: the blocks come in pairs of one azimuth. Where a shot
-/// has but one return, both are the same, and it goes out once. Source: RS-Helios-16P user manual; nebula 606ac41.
+/// 32 lasers, one return: a block is one sequence. Two returns: the blocks come in pairs with the same azimuth. If a
+/// shot has only one return, both are equal, and it is published once. Source: RS-Helios-16P user manual; nebula
+/// 606ac41.
 class HeliosDecoder {
  public:
   HeliosDecoder(const Variant& variant, const decoding::ReturnLimits& limits, std::optional<double> distance_step);
@@ -33,13 +34,13 @@ class HeliosDecoder {
   [[nodiscard]] const std::shared_ptr<const decoding::PointRules>& rules_in(double distance_step);
 
   const Variant& variant_;
-  std::optional<double> distance_step_;  ///< m, as the user says
+  std::optional<double> distance_step_;  ///< m, set by the user
   decoding::BlindZone blind_zone_;
   bool dual_return_ = false;
-  decoding::PointRules next_rules_;                    ///< but for the unit of the distances
-  std::shared_ptr<const decoding::PointRules> rules_;  ///< of the last packet; null: those are new
+  decoding::PointRules next_rules_;                    ///< except for the distance unit
+  std::shared_ptr<const decoding::PointRules> rules_;  ///< of the latest packet; null: next_rules_ is new
   std::optional<std::uint8_t> unit_;
-  int other_units_ = 0;  ///< packets in a row with another one
+  int other_units_ = 0;  ///< consecutive packets with another unit
 };
 
 }  // namespace curbstone::lidar::models::helios

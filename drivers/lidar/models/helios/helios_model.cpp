@@ -48,7 +48,7 @@ HeliosModel::HeliosModel(const Variant& variant, const ModelSettings& settings)
 PacketKind HeliosModel::kind_of(Sender sender) const {
   const Sender own = variant_.lasers == 16 ? Sender::kHelios16p : Sender::kHelios32;
   if (sender == Sender::kHeliosInfo || sender == Sender::kRs16Info) return PacketKind::kInfo;
-  // kHelios: its type byte is shared; its device information tells how many lasers it has.
+  // kHelios: its type byte is shared; its device information has the number of lasers.
   const bool points = sender == own || sender == Sender::kHelios || sender == Sender::kUnknown;
   return points ? PacketKind::kPoints : PacketKind::kForeign;
 }

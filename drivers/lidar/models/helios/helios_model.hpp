@@ -6,12 +6,12 @@
 
 namespace curbstone::lidar::models::helios {
 
-/// A Helios of 16 or 32 lasers as a model. Its angles are its own: from its device information or from a file. There is
-/// no nominal table, so no points come before they are known. Two device informations in a row must agree. Where but
-/// one will come, it counts if it is plausible.
+/// A Helios with 16 or 32 lasers as a model. Its angles are those of the device: from its device information or from a
+/// file. There is no nominal table, so there are no points before they are known. Two consecutive device informations
+/// must agree. If only one will come, it counts if it is plausible.
 class HeliosModel final : public Model {
  public:
-  /// Throws std::runtime_error where the file's angles are not as many as the lasers.
+  /// Throws std::runtime_error if the number of angles in the file is not that of the lasers.
   HeliosModel(const Variant& variant, const ModelSettings& settings);
 
   [[nodiscard]] const ModelTable& table() const override { return variant_.table; }

@@ -13,11 +13,11 @@ inline constexpr int kMsopPort = 6699;   ///< point packets ("MSOP")
 inline constexpr int kDifopPort = 7788;  ///< device information ("DIFOP")
 
 using PacketMagic = std::array<std::uint8_t, 8>;
-/// Of an RS16's point packets, and an RS32's and an RS-Bpearl's.
+/// Of the point packets of an RS16, an RS32 and an RS-Bpearl.
 inline constexpr PacketMagic kMsopMagic = {0x55, 0xAA, 0x05, 0x0A, 0x5A, 0xA5, 0x50, 0xA0};
-/// Of the device information of all of them, and of the Helios'.
+/// Of the device information of all of these, and of the Helios.
 inline constexpr PacketMagic kDifopMagic = {0xA5, 0xFF, 0x00, 0x5A, 0x11, 0x11, 0x55, 0x55};
-/// Of a Helios' point packets.
+/// Of a Helios's point packets.
 inline constexpr std::array<std::uint8_t, 4> kHeliosMagic = {0x55, 0xAA, 0x05, 0x5A};
 
 }  // namespace curbstone::lidar::models::robosense

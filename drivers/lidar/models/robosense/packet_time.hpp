@@ -7,7 +7,7 @@
 
 namespace curbstone::lidar::models::robosense {
 
-/// Calendar time, UTC, as RS16 packets carry it ("YMD" format).
+/// Calendar time, UTC, as in RS16 packets ("YMD" format).
 struct PacketTime {
   std::uint8_t year = 0;  ///< since 2000
   std::uint8_t month = 0;
@@ -20,8 +20,8 @@ struct PacketTime {
 };
 static_assert(sizeof(PacketTime) == 10 && alignof(PacketTime) == 1);
 
-/// us since the Unix epoch. Nothing when a field is out of its range. Independent of the host's time zone (rs_driver
-/// takes the stamp for local time, which puts it off by the zone).
+/// us since the Unix epoch; nothing if a field is out of range. Independent of the host's time zone (rs_driver takes
+/// the stamp as local time, which shifts it by the zone's offset).
 [[nodiscard]] std::optional<std::int64_t> utime_from(const PacketTime& time);
 
 /// Valid for the years 2000 to 2255.

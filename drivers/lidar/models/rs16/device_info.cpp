@@ -16,7 +16,7 @@ using decoding::Refusal;
 
 namespace {
 
-/// Top-board firmware that counts in centimetres (ros_rslidar, rawdata.cc).
+/// Top-board firmware with distances in cm (ros_rslidar, rawdata.cc).
 bool counts_in_centimetres(const std::array<std::uint8_t, 5>& firmware) {
   using Version = std::array<std::uint8_t, 3>;
   constexpr Version kOld[] = {{0x00, 0x00, 0x00}, {0xFF, 0xFF, 0xFF}, {0x55, 0xAA, 0x5A}, {0xE9, 0x01, 0x00}};
@@ -24,7 +24,7 @@ bool counts_in_centimetres(const std::array<std::uint8_t, 5>& firmware) {
                              [&](const Version& v) { return std::equal(v.begin(), v.end(), firmware.data() + 1); });
 }
 
-/// Older bottom boards do not fill in the return mode, and know only one (ros_rslidar, rawdata.cc).
+/// Older bottom boards do not set the return mode, and support only one return (ros_rslidar, rawdata.cc).
 bool knows_return_mode(const std::array<std::uint8_t, 5>& bottom_firmware) {
   constexpr std::array<std::uint8_t, 3> kFirst = {0x08, 0x02, 0x09};
   return !std::lexicographical_compare(bottom_firmware.begin(), bottom_firmware.begin() + 3, kFirst.begin(),
@@ -37,23 +37,23 @@ void read_field_of_view(const DifopPacket& packet, DeviceInfo& info) {
   info.fov_end = packet.fov_end;
 }
 
-/// 13 bits of 0.0625 deg C, and a sign (rs_driver 4eeadace, parseTempInLe; a recorded RS16 has the bytes turned here).
+/// 13 bits of 0.0625 deg C, and a sign (rs_driver 4eeadace, parseTempInLe; a recorded RS16 has the bytes swapped).
 double celsius(std::uint16_t raw) {
   const double size = (raw & 0x7FFF) / 8 * 0.0625;
   return (raw & 0x8000) != 0 ? -size : size;
 }
 
 /// The manual has six voltages here, rs_driver's struct nine. A recorded RS16
-/// (shared/data/rs16/rs16_washing_house.pcap) has six words and then zeros. Their upper four bits count from 0 to 5, as
-/// a converter numbers its channels. The lower twelve are of 5 V: so the last four are 4.95 V (halved), 3.30, 2.56
-/// and 1.21 V. What the two of 12 V are divided by is not known. Another device's words do not count so, and nothing is
-/// reported.
+/// (shared/data/rs16/rs16_washing_house.pcap) has six words and then zeros. Their upper four bits count from 0 to 5,
+/// like the channel numbers of a converter. The lower twelve are a fraction of 5 V: the last four words are 4.95 V
+/// (halved), 3.30, 2.56 and 1.21 V. The dividers of the two 12 V words are unknown. If the upper bits do not count like
+/// that, nothing is reported.
 std::array<int, 4> millivolts(const std::array<Be16, 6>& words) {
   std::array<int, 4> supplies{};
   for (std::size_t channel = 0; channel < words.size(); ++channel) {
     const std::uint16_t word = words[channel];
     if (word >> 12 != static_cast<int>(channel)) return {};
-    constexpr std::size_t kFirst = 2;  // of those whose divider is known
+    constexpr std::size_t kFirst = 2;  // of those with a known divider
     if (channel >= kFirst) supplies[channel - kFirst] = (word & 0xFFF) * 5000 / 4096 * (channel == kFirst ? 2 : 1);
   }
   return supplies;
@@ -78,9 +78,9 @@ bool blank(const Be24* table) {
          std::all_of(bytes, bytes + 4, [](std::uint8_t b) { return b == 0xFF; });
 }
 
-/// Lasers 1..8 look down, 9..16 up: the sign is not transmitted.
+/// Lasers 1..8 point down, 9..16 up: the sign is not transmitted.
 bool read_elevations(const DifopPacket& packet, ElevationTable& elevations) {
-  constexpr double kWorstMisalignment = 2.0;  // deg off nominal: more is another device, or noise
+  constexpr double kWorstMisalignment = 2.0;  // deg from nominal: more is another device, or noise
   for (std::size_t i = 0; i < kLasers; ++i) {
     const double size = packet.elevation[i] * 1e-4;
     elevations[i] = i < kLasers / 2 ? -size : size;

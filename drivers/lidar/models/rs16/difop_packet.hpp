@@ -11,10 +11,10 @@
 
 namespace curbstone::lidar::models::rs16 {
 
-/// A device information packet (DIFOP), about one a second. Source: RS-LiDAR-16 user manual, appendix B.
+/// A device information packet (DIFOP), sent about once a second. Source: RS-LiDAR-16 user manual, appendix B.
 struct DifopPacket {
   robosense::PacketMagic magic;
-  Be16 rpm;  ///< as set: 300, 600, 1200
+  Be16 rpm;  ///< set speed: 300, 600, 1200
   std::uint8_t ethernet[22];
   Be16 fov_start;  ///< 0.01 deg
   Be16 fov_end;
@@ -29,14 +29,14 @@ struct DifopPacket {
   std::uint8_t software_version[2];
   robosense::PacketTime time;
   Be24 currents[2];              ///< uA, bit 23 is the sign
-  std::array<Be16, 6> voltages;  ///< 4 bits of channel, 0 to 5, and 12 of 5 V: see device_info.cpp
+  std::array<Be16, 6> voltages;  ///< 4 bits of channel, 0 to 5, and 12 bits of 5 V: see device_info.cpp
   std::uint8_t reserved_331[26];
   std::uint8_t gps_status;  ///< bit 0 PPS lock, bit 1 GPRMC lock, bit 2 UTC lock
   std::array<Be16, 4> temperatures;
   std::uint8_t reserved_366[7];
   Be16 real_rpm;  ///< six times the speed
   std::uint8_t reserved_375[790];
-  Be24 elevation[kLasers];  ///< 0.0001 deg without sign: lasers 1..8 look down, 9..16 up
+  Be24 elevation[kLasers];  ///< 0.0001 deg without sign: lasers 1..8 point down, 9..16 up
   std::uint8_t reserved_1213[33];
   std::array<std::uint8_t, 2> tail;
 };

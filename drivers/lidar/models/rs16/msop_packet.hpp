@@ -17,7 +17,7 @@ struct MsopRecord {
   std::uint8_t intensity = 0;
 };
 
-/// Two firing sequences in a row, or one with two returns where the device is set to dual return.
+/// Two consecutive firing sequences, or one with two returns if the device is set to dual return.
 struct MsopBlock {
   static constexpr std::uint16_t kFlag = 0xFFEE;
   Be16 flag;

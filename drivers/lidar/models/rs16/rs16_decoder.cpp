@@ -14,7 +14,7 @@ using decoding::Refusal;
 
 namespace {
 
-constexpr std::uint16_t kNoReturn = 0xFFFF;  // as real devices send it; 0 is the manual's
+constexpr std::uint16_t kNoReturn = 0xFFFF;  // as sent by real devices; the manual says 0
 
 Refusal check(const MsopPacket& packet) {
   if (packet.magic != robosense::kMsopMagic) return Refusal::kMagic;
@@ -34,7 +34,7 @@ decoding::BlockRecords records_of(const MsopBlock& block) {
   return records;
 }
 
-/// Two returns: where the shot had but one, the half of the block that holds the other has the same.
+/// Two returns: if a shot has only one, the half of the block for the other return repeats it.
 void leave_out_repeats(decoding::BlockRecords& records) {
   for (std::size_t i = kLasers; i < decoding::kRecordsPerBlock; ++i) {
     const std::size_t first = i - kLasers;

@@ -13,20 +13,20 @@
 
 namespace curbstone::lidar::models::rs16 {
 
-/// RS-LiDAR-16 point packets (MSOP, one or two returns a shot) to points. One thread. Source: RS-LiDAR-16 user manual,
-/// appendix A; rs_driver 4eeadace.
+/// Decodes RS-LiDAR-16 point packets (MSOP, one or two returns per shot) to points. One thread. Source: RS-LiDAR-16
+/// user manual, appendix A; rs_driver 4eeadace.
 ///
-/// Two returns: a block is one firing sequence, its first 16 records one return of each shot, its last 16 the other.
-/// Where a shot has but one, both are the same, and it goes out once.
+/// Two returns: a block is one firing sequence, its first 16 records are one return of each shot, its last 16 the
+/// other. If a shot has only one return, both are equal, and it is published once.
 class Rs16Decoder {
  public:
   explicit Rs16Decoder(const decoding::ReturnLimits& limits);
 
-  /// What the device says about itself; nominal until then.
+  /// Sets the reported device information; nominal until then.
   void set_device(const DeviceInfo& device);
   [[nodiscard]] const DeviceInfo& device() const { return device_; }
 
-  /// Overwrites `packet`, whose vectors keep their memory. Any bytes may come; `packet` means nothing when refused.
+  /// Overwrites `packet`, whose vectors keep their memory. Any bytes are allowed; `packet` is undefined if refused.
   [[nodiscard]] decoding::Refusal decode(std::span<const std::uint8_t> bytes, decoding::DecodedPacket& packet);
 
  private:

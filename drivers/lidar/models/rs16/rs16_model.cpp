@@ -43,8 +43,9 @@ Refusal Rs16Model::decode(std::int64_t received, std::span<const std::uint8_t> b
   return has_two_returns(packet) ? Refusal::kMode : Refusal::kNone;
 }
 
-/// A packet does not say how many returns it has, and the device says it once a second. But in half the time of a
-/// packet with one return its head turns as far as in the whole. Until the device has said so, none is right.
+/// A packet does not contain the number of returns, and the device reports it only once a second. But a packet with two
+/// returns takes half the time that the decoder assumes for one return, while the azimuth advances as far as computed
+/// for the whole packet. Until the device has reported the mode, such packets are decoded wrongly.
 bool Rs16Model::has_two_returns(const decoding::DecodedPacket& packet) {
   constexpr int kSure = 2;
   if (decoder_.device().dual_return || !packet.stamp) return false;
@@ -96,7 +97,7 @@ void Rs16Model::tell(const DeviceInfo& info, const DeviceStatus& status) {
   for (std::size_t i = 0; i < kTemperatures.size(); ++i)
     set_level(facts_.values, kTemperatures[i], std::lround(status.temperatures[i] * 1000));
   facts_.faults.clear();
-  // A real speed of 0 is an old firmware that does not tell it.
+  // A measured speed of 0 means that an old firmware does not report it.
   if (status.rpm != 0 && info.rpm != 0 && std::abs(status.rpm - info.rpm) > kSpeedTolerance * info.rpm)
     facts_.faults.push_back(fmt::format(
         "the head turns at {} rpm and not at the {} that are set: is the device blocked, cold, or about to fail?",

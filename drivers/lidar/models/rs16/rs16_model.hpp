@@ -8,11 +8,11 @@ namespace curbstone::lidar::models::rs16 {
 
 extern const ModelTable kTable;
 
-/// The RS-LiDAR-16 as a model: its decoder, and what it says of itself. Without device information the nominal
-/// elevations are used, unless the user wants to wait for it.
+/// The RS-LiDAR-16 as a model: its decoder and its device information. Without device information the nominal
+/// elevations are used, unless the user chose to wait for it.
 class Rs16Model final : public Model {
  public:
-  /// Throws std::runtime_error where there are not 16 angles.
+  /// Throws std::runtime_error if there are not 16 angles.
   explicit Rs16Model(const ModelSettings& settings);
 
   [[nodiscard]] const ModelTable& table() const override { return kTable; }
@@ -31,9 +31,9 @@ class Rs16Model final : public Model {
   Rs16Decoder decoder_;
   Agreed<DeviceInfo> info_;
   DeviceFacts facts_;
-  std::int64_t stamp_ = 0;  // us, of the packet before
+  std::int64_t stamp_ = 0;  // us, of the previous packet
   int azimuth_ = 0;         // 0.01 deg, likewise
-  int halves_ = 0;          // packets in a row that took half the time of one return's
+  int halves_ = 0;          // consecutive packets that took half the time of single-return ones
 };
 
 }  // namespace curbstone::lidar::models::rs16

@@ -13,7 +13,7 @@ using decoding::Refusal;
 namespace {
 
 constexpr std::int64_t kHour = 3'600'000'000;             // us
-constexpr std::int64_t kLongestHour = kHour + 1'000'000;  // us: values a little above the hour occur
+constexpr std::int64_t kLongestHour = kHour + 1'000'000;  // us: values slightly above an hour occur
 
 decoding::BlockRecords records_of(std::span<const std::uint8_t> block) {
   decoding::BlockRecords records;
@@ -25,14 +25,14 @@ decoding::BlockRecords records_of(std::span<const std::uint8_t> block) {
   return records;
 }
 
-/// Two returns: where a shot had but one, both are the same.
+/// Two returns: if a shot has only one, both are equal.
 void leave_out_repeats(const decoding::BlockRecords& first, decoding::BlockRecords& other) {
   for (std::size_t i = 0; i < decoding::kRecordsPerBlock; ++i) {
     if (other.distance[i] == first.distance[i] && other.intensity[i] == first.intensity[i]) other.leave_out(i);
   }
 }
 
-/// To the hour in which it is nearest to `reference`.
+/// Adds the hour for which the result is nearest to `reference`.
 std::int64_t nearest(std::int64_t past_hour, std::int64_t reference) {
   std::int64_t stamp = reference - reference % kHour + past_hour;
   if (stamp - reference > kHour / 2) stamp -= kHour;
@@ -70,7 +70,7 @@ Refusal Vlp16Decoder::decode(std::int64_t received, std::span<const std::uint8_t
     if (bytes[kBlockSize * b] != 0xFF || bytes[kBlockSize * b + 1] != 0xEE) return Refusal::kBlock;
     const auto azimuth = read_little_endian<std::uint16_t>(bytes.subspan(kBlockSize * b + 2));
     if (azimuth >= 36000) return Refusal::kAzimuth;
-    if (dual && b % 2 == 1 && azimuth != azimuths[b / 2]) return Refusal::kAzimuth;  // the pair's second block
+    if (dual && b % 2 == 1 && azimuth != azimuths[b / 2]) return Refusal::kAzimuth;  // the second block of the pair
     azimuths[b / blocks_a_firing] = azimuth;
   }
   std::array<decoding::BlockSpan, kBlocksPerPacket> spans;
@@ -107,10 +107,10 @@ Refusal Vlp16Decoder::decode(std::int64_t received, std::span<const std::uint8_t
 }
 
 std::int64_t Vlp16Decoder::resolve(std::int64_t past_hour, std::int64_t received) {
-  // Where it goes on from the last packet, so that a clock half an hour off does not change sides.
+  // The reference continues from the last packet, so that a clock that is half an hour off does not change sides.
   const std::int64_t reference = last_stamp_ ? *last_stamp_ + (received - last_received_) : received;
   const std::int64_t stamp = nearest(past_hour, reference);
-  // The sum stays near the times of receipt: one damaged stamp moves it by no more than that hour's half, and back.
+  // The extrapolation follows the times of receipt: a damaged stamp moves it by at most half an hour, and back.
   last_stamp_ = std::abs(stamp - reference) < kHour / 4 ? stamp : reference;
   last_received_ = received;
   return stamp;

@@ -16,20 +16,21 @@
 
 namespace curbstone::lidar::models::vlp16 {
 
-/// VLP-16 data packets (strongest, last or dual return) to points. One thread. Source: VLP-16 User Manual, chapter 9;
-/// nebula 606ac41.
+/// Decodes VLP-16 data packets (strongest, last or dual return) to points. One thread. Source: VLP-16 User Manual,
+/// chapter 9; nebula 606ac41.
 ///
-/// A packet's stamp is past the hour, without a date. The first one is taken to the hour that brings it nearest to its
-/// time of receipt, the next ones to where they go on from there.
+/// A packet's stamp is the time past the hour, without a date. The first one gets the hour that is nearest to its time
+/// of receipt, the next ones the hour that continues from there.
 ///
-/// Dual: the blocks come in pairs of one azimuth and one time, first the last return, then the strongest, or the second
-/// strongest where the strongest is the last. Where a shot has but one, both are the same, and it goes out once.
+/// Dual return: the blocks come in pairs with the same azimuth and time, first the last return, then the strongest, or
+/// the second strongest if the strongest is the last. If a shot has only one return, both are equal, and it is
+/// published once.
 class Vlp16Decoder {
  public:
-  /// `angles`: the user's, or none.
+  /// `angles`: the user's; may be empty.
   Vlp16Decoder(const decoding::ReturnLimits& limits, const std::vector<LaserAngles>& angles);
 
-  /// Overwrites `packet`, whose vectors keep their memory. Any bytes may come. `received`: us since the Unix epoch.
+  /// Overwrites `packet`, whose vectors keep their memory. Any bytes are allowed. `received`: us since the Unix epoch.
   [[nodiscard]] decoding::Refusal decode(std::int64_t received, std::span<const std::uint8_t> bytes,
                                          decoding::DecodedPacket& packet);
 

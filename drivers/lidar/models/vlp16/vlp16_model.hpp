@@ -7,11 +7,11 @@ namespace curbstone::lidar::models::vlp16 {
 
 extern const ModelTable kTable;
 
-/// The VLP-16 as a model: its decoder, and what its position packets say of PPS and GPS. Its angles are those of the
-/// manual, for all devices; a file may correct them.
+/// The VLP-16 as a model: its decoder, and the state of PPS and GPS from its position packets. Its angles are those of
+/// the manual, for all devices; a file may correct them.
 class Vlp16Model final : public Model {
  public:
-  /// Throws std::runtime_error where there are not 16 angles.
+  /// Throws std::runtime_error if there are not 16 angles.
   explicit Vlp16Model(const ModelSettings& settings);
 
   [[nodiscard]] const ModelTable& table() const override { return kTable; }
@@ -26,7 +26,7 @@ class Vlp16Model final : public Model {
   DeviceFacts facts_;
 };
 
-/// Whether a text is a GPRMC sentence of a GPS that knows where it is: status A, and the checksum is right.
+/// Whether a text is a GPRMC sentence of a GPS with a fix: status A, and a valid checksum.
 [[nodiscard]] bool is_valid_gprmc(std::string_view text);
 
 }  // namespace curbstone::lidar::models::vlp16
