@@ -57,8 +57,9 @@ class TileGrid {
   /// Calls DenseTile::cut_after() on every tile. Tiles that the file does not give back are deleted.
   void cut_after(std::int64_t utime);
 
-  /// Puts records away of tiles that have slept for longest, which saves most of their memory: one in `share` of those
-  /// that sleep with their records, but never of the newest ones, so what comes and goes at the rim costs nothing.
+  /// Spills records of the tiles that have slept for longest, which frees most of their memory: one in `share` of the
+  /// sleeping tiles with records in memory. The newest ones are kept, so that tiles that come and go at the rim cost
+  /// nothing.
   void put_away(std::size_t share);
 
   /// The lowest known height in the four columns around a point (m, map); +infinity if there is none.
