@@ -47,7 +47,7 @@ std::optional<TravelDirection::Straight> TravelDirection::straight() const {
   std::vector<double> aslant, longer;
   for (const Straight& stretch : straights_) {
     const double from_first =
-        stretch.aslant - straights_.front().aslant;  // close to half a turn the values jump between +pi and -pi
+        stretch.aslant - straights_.front().aslant;  // about half a turn it jumps between +pi and -pi
     aslant.push_back(straights_.front().aslant + std::remainder(from_first, 2 * std::numbers::pi));
     longer.push_back(stretch.longer);
   }

@@ -82,10 +82,9 @@ void IcpRegistration::match(const std::vector<scan::LidarPoint>& source, std::si
 RegistrationResult IcpRegistration::align(const std::vector<scan::LidarPoint>& points, const PosePrior& prior) {
   const std::vector<scan::LidarPoint> source = scan::downsample(points, config_.source_voxel, config_.max_range);
   const double settled = kSettledBounds * config_.kernel;
-  double annealing =
-      std::clamp(prior.reach, settled, std::max(config_.search, settled));  // m, expected remaining error
-  Pose T_matched = prior.T_map_base;                                        // where points were matched
-  Pose moved = Pose::Identity();                                            // since then
+  double annealing = std::clamp(prior.reach, settled, std::max(config_.search, settled));  // m, expected error
+  Pose T_matched = prior.T_map_base;                                                       // where points were matched
+  Pose moved = Pose::Identity();                                                           // since then
   std::size_t stride = kCoarseStride;
   bool stale = true;
   RegistrationResult result;

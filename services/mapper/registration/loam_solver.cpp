@@ -125,8 +125,7 @@ class LoamResiduals {
 Vector6 solve_loam(const LoamProblem& problem) {
   const LoamResiduals residuals(problem);
   ceres::TinySolver<LoamResiduals> solver;
-  solver.options.max_num_iterations =
-      6;  // the first evaluation counts as one; the matches change before more iterations pay off
+  solver.options.max_num_iterations = 6;  // the first evaluation is one; the matches change before more pays off
   solver.options.function_tolerance = 1e-4 * residuals.NumResiduals();
   Vector6 change = Vector6::Zero();
   solver.Solve(residuals, &change);

@@ -13,19 +13,17 @@ enum class ShapeKind { kPlane, kLine };
 /// A plane patch or an edge, in map.
 struct MapShape {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  Eigen::Vector3f axis =
-      Eigen::Vector3f::Zero();  ///< unit: a plane's normal or a line's direction; its sign is arbitrary
-  float variance = 0;           ///< m^2, of the points about the shape, in the worst direction
+  Eigen::Vector3f axis = Eigen::Vector3f::Zero();  ///< unit: a plane's normal, a line's direction; of either sign
+  float variance = 0;                              ///< m^2, of the points about the shape, in the worst direction
 };
 
 /// Resolution of a level of the map, and the criteria for a plane or a line there.
 struct ShapeLevelOptions {
   ShapeKind shape = ShapeKind::kPlane;
-  double voxel = 0.3;  ///< m
-  int capacity = 40;   ///< points of a voxel; further ones are ignored, so that the map does not drift
-  int min_points = 6;  ///< in the 3 x 3 x 3 voxels that the shape is fitted to
-  double max_flatness =
-      0.1;                  ///< eigenvalue of the covariance across the shape, divided by the next larger one, along it
+  double voxel = 0.3;         ///< m
+  int capacity = 40;          ///< points of a voxel; further ones are ignored, so that the map does not drift
+  int min_points = 6;         ///< in the 3 x 3 x 3 voxels that the shape is fitted to
+  double max_flatness = 0.1;  ///< eigenvalue of the covariance across the shape, over the next larger one along it
   double min_width = 0.12;  ///< m: root of that larger eigenvalue; a narrower plane is a line, a narrower line a point
   double min_grazing = 0.05;  ///< sine of the mean angle at which rays met the plane: see fit()
 };

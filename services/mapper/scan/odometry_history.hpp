@@ -18,8 +18,7 @@ struct OdometrySample {
   bool usable = true;  ///< the odometry filter reports that it is initialised
   bool stationary = false;
   bool turn_confirmed = true;  ///< wheels and gyro agreed on the turn over the last second
-  bool with_gyro =
-      true;  ///< false: dead reckoning on the wheels alone, whose yaw drifts by tenths of a degree a second
+  bool with_gyro = true;       ///< false: dead reckoning on wheels, whose yaw drifts by tenths of a degree a second
 };
 
 /// A bounded history of odometry in order of time. Gives the pose at any time in between, and up to kLead beyond the
@@ -32,7 +31,7 @@ class OdometryHistory {
   static constexpr std::int64_t kMaxGap = 200'000;       ///< us: largest interval that is interpolated over
   static constexpr std::int64_t kClockJump = 1'000'000;  ///< us backwards: the sample is of a new clock, not late,
   static constexpr std::int64_t kSetBack =
-      100'000;  ///< us backwards that do so if kAgreeing samples in a row continue each other
+      100'000;  ///< or this, for kAgreeing samples in a row that continue each other
   static constexpr int kAgreeing = 5;
   static constexpr double kGapSteps = 1.6;
 

@@ -9,9 +9,8 @@ namespace curbstone::semantic_map::marking_lines {
 
 /// A point on the centre line of a marking.
 struct RidgePoint {
-  Eigen::Vector2d at = Eigen::Vector2d::Zero();  ///< m in map
-  Eigen::Vector2d tangent =
-      Eigen::Vector2d::UnitX();  ///< unit, along the marking; in a chain, in the chain's direction
+  Eigen::Vector2d at = Eigen::Vector2d::Zero();        ///< m in map
+  Eigen::Vector2d tangent = Eigen::Vector2d::UnitX();  ///< unit, along the marking; in a chain, in its direction
   double z = 0;
   double mass = 0;  ///< of the vote
   double contrast = 0;

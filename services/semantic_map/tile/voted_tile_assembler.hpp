@@ -31,8 +31,7 @@ class VotedTileAssembler {
  public:
   static constexpr std::int32_t kMaxPoints = 400'000;  ///< of a tile; more is invalid
   static constexpr std::int32_t kMaxPages = 1000;      ///< of a step
-  static constexpr std::size_t kMaxUnfinished =
-      2000;  ///< tiles being assembled; the one that waits longest is dropped first
+  static constexpr std::size_t kMaxUnfinished = 2000;  ///< tiles being assembled; the longest waiting is dropped first
 
   /// The step that this page completes, if it does. Invalid pages and inconsistent steps are refused and counted.
   [[nodiscard]] std::optional<VotedStep> add(const voted_points_t& page, Counters& counters);
