@@ -12,8 +12,7 @@ constexpr double kKerbstone = 0.45;   // m from the foot over the stone
 constexpr double kAlongKerb = 0.15;   // m; a line's vertices are 0.2 m apart
 constexpr double kSquare = 0.5;       // m
 constexpr double kStep = 0.2;         // m between tested places of the straight line: as far apart as vertices
-constexpr double kCrossed =
-    0.16;  // m from a tested place to a vertex that counts as crossed there, so that no crossing is missed
+constexpr double kCrossed = 0.16;     // m from a tested place to a vertex that is crossed there
 
 TileKey square_of(const Eigen::Vector2d& at) {
   return {static_cast<std::int32_t>(std::floor(at.x() / kSquare)),

@@ -33,7 +33,7 @@ void require(bool holds, const char* what) {
   if (!holds) throw std::runtime_error(what);
 }
 
-/// Takes the bytes of a batch from left to right.
+/// Reads the bytes of a batch from left to right.
 class ItemBytes {
  public:
   explicit ItemBytes(std::string_view bytes) : rest_(bytes) {}
@@ -63,7 +63,7 @@ class ItemBytes {
     const auto x = take<std::int32_t>();
     return {x, take<std::int32_t>()};
   }
-  /// How many of `size` bytes each follow.
+  /// A count of items that follow, of `size` bytes each.
   [[nodiscard]] std::size_t take_count(std::size_t size) {
     const auto count = take<std::uint32_t>();
     require(count <= rest_.size() / size, "claims more than it holds");
@@ -156,7 +156,7 @@ intensity::RingHistograms take_rings(ItemBytes& bytes) {
   return rings;
 }
 
-/// What takes a point out names one that is there.
+/// Checks that each removal refers to an existing point.
 void check_removals(const std::vector<TilePoint>& records) {
   if (std::none_of(records.begin(), records.end(), is_removal)) return;
   std::unordered_set<std::uint64_t> there;

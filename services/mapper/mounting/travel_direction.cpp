@@ -46,8 +46,7 @@ void TravelDirection::add(const Pose& T_map_base, const Pose& T_odom_base) {
 std::optional<TravelDirection::Straight> TravelDirection::straight() const {
   std::vector<double> aslant, longer;
   for (const Straight& stretch : straights_) {
-    const double from_first =
-        stretch.aslant - straights_.front().aslant;  // about half a turn it jumps between +pi and -pi
+    const double from_first = stretch.aslant - straights_.front().aslant;  // half a turn: +pi and -pi
     aslant.push_back(straights_.front().aslant + std::remainder(from_first, 2 * std::numbers::pi));
     longer.push_back(stretch.longer);
   }

@@ -30,8 +30,7 @@ class OdometryHistory {
   static constexpr std::size_t kCapacity = 8000;         ///< 80 s at 100 Hz
   static constexpr std::int64_t kMaxGap = 200'000;       ///< us: largest interval that is interpolated over
   static constexpr std::int64_t kClockJump = 1'000'000;  ///< us backwards: the sample is of a new clock, not late,
-  static constexpr std::int64_t kSetBack =
-      100'000;  ///< or this, for kAgreeing samples in a row that continue each other
+  static constexpr std::int64_t kSetBack = 100'000;      ///< or this, if kAgreeing samples in a row continue each other
   static constexpr int kAgreeing = 5;
   static constexpr double kGapSteps = 1.6;
 
