@@ -14,9 +14,8 @@ namespace curbstone::mapper::returns {
 namespace {
 
 constexpr int kDirections = 180;
-constexpr int kAllAround =
-    60;  // directions in which three lasers see the ground and agree: required of a vehicle that stands,
-constexpr int kInPart = 30;          // and of one that moves
+constexpr int kAllAround = 60;       // directions in which three lasers see the ground and agree, for a vehicle that
+constexpr int kInPart = 30;          // stands, and for one that moves
 constexpr double kAgree = 0.002;     // rad, with the median
 constexpr float kLeastRange = 1.0F;  // m: closer returns are of the vehicle itself
 constexpr float kMostRange = 25.0F;  // m
@@ -24,9 +23,8 @@ constexpr float kMostSlope = 0.15F;  // of possible ground,
 constexpr float kMostStep = 0.3F;    // with an error of the middle laser included
 constexpr float kLeastStep = 0.03F;  // share of the distance: an upright surface is equally far for all three
 constexpr std::size_t kLeastTriples = 3;
-constexpr double kUnexplained =
-    0.0006;                        // rad: least difference between the rests of the best explanation and the next one
-constexpr double kAlike = 0.0015;  // rad, between looks
+constexpr double kUnexplained = 0.0006;  // rad: least lead in rest of the best explanation over the next
+constexpr double kAlike = 0.0015;        // rad, between looks
 
 /// The return of one laser in one direction.
 struct Return {

@@ -19,7 +19,7 @@ TileKey key_of(SQLite::Statement& row) {
           static_cast<std::int32_t>(row.getColumn(1).getInt64())};
 }
 
-/// From a row of x, y, utime, z_origin, cells.
+/// Reads a row of x, y, utime, z_origin, cells.
 tile::MapTile tile_of(SQLite::Statement& row, const std::string& path) {
   tile::MapTile tile;
   tile.key = key_of(row);
