@@ -42,7 +42,6 @@ struct DenseWork {
 ///
 /// Only the calls that say so wait. The const calls never wait: they throw std::logic_error if what they return is
 /// still being worked on.
-/// something that is still being worked on.
 class DenseWorker {
  public:
   /// `beside`: in a thread of its own; otherwise the work is done within the wait for it. `far`: as for DenseMap.

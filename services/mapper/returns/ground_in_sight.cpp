@@ -16,7 +16,7 @@ constexpr float kUneven = 0.15F;   // m by which ground may be off z = 0 anywher
 constexpr float kSlope = 0.06F;    // and more per metre of distance
 constexpr float kTall = 0.15F;     // m above that: not ground
 constexpr float kOverhead = 2.2F;  // m: objects higher than this hide no ground
-constexpr float kBefore = 1.0F;    // m in front of a tall object: ground up to here is not part of it
+constexpr float kBefore = 1.0F;    // m in front of a tall object: a closer return may be part of the object
 constexpr int kFewReturns = 15;    // of a sector: the vehicle hides it, or it is not scanned
 constexpr int kGround = 8;         // returns: a third of one laser's
 constexpr int kLeastOpen = 6;      // sectors that a look needs
