@@ -46,7 +46,7 @@ class LoopCloser {
 
  private:
   struct Seen {
-    Pose correction;  // T_old_new: the pose by the recognised place, relative to the current estimate
+    Pose correction;  // T_old_new: takes the current estimate to the pose by the recognised place
     double travelled = 0;
   };
   [[nodiscard]] bool bends_too_far(const std::vector<PoseEdge>& edges, const std::vector<double>& sigma) const;
