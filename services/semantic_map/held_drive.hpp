@@ -9,14 +9,14 @@
 
 namespace curbstone::semantic_map {
 
-/// What the mapper says of the drive in an epoch that may begin (EpochFollower). It is kept until the epoch has begun
-/// or turned out to be none. At most kMost messages, the newest ones.
+/// Holds the mapper's messages about the drive in an epoch that may begin (EpochFollower), until the epoch begins or is
+/// rejected. At most kMost messages, the newest ones.
 class HeldDrive {
  public:
   using Message = std::variant<map_pose_t, map_trajectory_t>;
-  static constexpr std::size_t kMost = 64;  ///< of up to 42 kB; a new epoch is believed at the second
+  static constexpr std::size_t kMost = 64;  ///< of up to 42 kB; a new epoch is accepted with the second message
 
-  /// Only messages of one epoch are held: those of another one go. Returns how many were given up.
+  /// Holds a message. Only messages of one epoch are held: those of another are dropped. Returns how many were dropped.
   template <typename Any>
   std::size_t hold(const Any& message) {
     std::size_t dropped = message.epoch == epoch_ ? 0 : clear();
@@ -28,9 +28,9 @@ class HeldDrive {
     messages_.emplace_back(message);
     return dropped;
   }
-  /// Returns how many were given up.
+  /// Returns how many messages were dropped.
   std::size_t clear() { return std::exchange(messages_, {}).size(); }
-  /// What was held of the epoch that begins, in its order.
+  /// The messages of the epoch that begins, in order of arrival.
   [[nodiscard]] std::deque<Message> take(std::int32_t epoch) {
     std::deque<Message> messages = std::exchange(messages_, {});
     return epoch == epoch_ ? std::move(messages) : std::deque<Message>{};

@@ -8,11 +8,11 @@ namespace curbstone::semantic_map {
 namespace {
 
 constexpr double kBeforeKerb = 0.15;  // m from a curb's foot towards the road
-constexpr double kKerbstone = 0.45;   // m from it over the stone
+constexpr double kKerbstone = 0.45;   // m from the foot over the stone
 constexpr double kAlongKerb = 0.15;   // m; a line's vertices are 0.2 m apart
 constexpr double kSquare = 0.5;       // m
-constexpr double kStep = 0.2;         // m on a way, as far apart as vertices
-constexpr double kCrossed = 0.16;     // m from a step to a vertex of what is crossed there: no way slips through
+constexpr double kStep = 0.2;         // m between tested places of the straight line: as far apart as vertices
+constexpr double kCrossed = 0.16;     // m from a tested place to a vertex that is crossed there
 
 TileKey square_of(const Eigen::Vector2d& at) {
   return {static_cast<std::int32_t>(std::floor(at.x() / kSquare)),
@@ -41,7 +41,7 @@ void Kerbstones::add(const std::vector<tile::CurbLine>& lines, bool are_flush) {
   }
 }
 
-/// visit(vertex) for those in the squares about a place, until it returns true.
+/// Calls visit(vertex) for the vertices in the squares around a place, until it returns true.
 template <class Visit>
 void Kerbstones::for_near(const Eigen::Vector2d& at, Visit visit) const {
   const TileKey centre = square_of(at);

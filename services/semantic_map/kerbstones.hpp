@@ -9,16 +9,16 @@
 
 namespace curbstone::semantic_map {
 
-/// The stones of curb lines: bright, narrow, and where the kerb is lowered hardly higher than the road, or not at all.
+/// The stones of curb lines: bright, narrow, and where the kerb is lowered hardly or not at all higher than the road.
 class Kerbstones {
  public:
   explicit Kerbstones(const std::vector<tile::CurbLine>& curbs);
-  /// Whether a place, m in map, is on one of them.
+  /// Whether a place, m in map, is on a kerbstone.
   [[nodiscard]] bool hold(const Eigen::Vector2d& at) const;
-  enum class Which { kRaised, kAll };  ///< kAll: lowered ones and those that lie flush, too
-  /// Whether one of them lies between a road and a place, m in map: of those on the straight way the nearest to the
-  /// place rises towards it. (Over a traffic island the way goes up and down again.) Beyond those that are not raised
-  /// there may be a road.
+  enum class Which { kRaised, kAll };  ///< kAll: lowered and flush ones, too
+  /// Whether a kerb separates a road from a place, m in map: among the kerbs on the straight line between them, the one
+  /// nearest to the place rises towards it. (Over a traffic island the line goes up and down again.) Beyond kerbs that
+  /// are not raised there may be a road.
   [[nodiscard]] bool part(const Eigen::Vector2d& road, const Eigen::Vector2d& at, Which which = Which::kRaised) const;
 
  private:

@@ -13,7 +13,7 @@
 namespace curbstone::semantic_map {
 namespace {
 
-constexpr double kSureLength = 5.0;  // m painted: a bright strip of a lawn is shorter
+constexpr double kSureLength = 5.0;  // m of paint: bright strips of a lawn are shorter
 
 MapBox everything() {
   constexpr double kAll = std::numeric_limits<double>::max();
@@ -24,7 +24,7 @@ Eigen::Vector2d corner_of(TileKey key) {
   return {key.x * kTileSize, key.y * kTileSize};
 }
 
-/// Where a cell shows ground.
+/// Whether a cell shows ground.
 std::optional<double> ground_at(const TileLookup& tiles, const Eigen::Vector2d& at) {
   const auto key = tile_at(at.x(), at.y());
   const auto tile = key ? tiles(*key) : nullptr;
@@ -66,9 +66,9 @@ double painted_length(const tile::MarkingLine& line) {
   return length;
 }
 
-/// Whether a kerb lies between the driven path and a line, as seen from two of three places of it: its ends, its
-/// middle. Beyond a lowered one there are driveways and yards, or a road: a line that is as long as no bright strip of
-/// a lawn, and a crossing, may be there.
+/// Whether a kerb lies between the driven path and a line, as seen from two of three of its places: its ends and its
+/// middle. Beyond a lowered kerb there are driveways and yards, or a road: only a crossing, or a line longer than any
+/// bright strip of a lawn, is accepted there.
 bool is_beyond_kerb(const tile::MarkingLine& line, const Kerbstones& kerbs, const tile::DrivenPath& path) {
   const bool is_sure = line.type == tile::MarkingType::kCrossing || painted_length(line) >= kSureLength;
   int beyond = 0;
@@ -83,7 +83,7 @@ bool is_beyond_kerb(const tile::MarkingLine& line, const Kerbstones& kerbs, cons
   return beyond > 1;
 }
 
-/// Behind `lines` the parts of `before` for which `keeps(tile)`.
+/// Appends to `lines` the parts of `before` for which `keeps(tile)` is true.
 template <class Line, class Keeps>
 void keep_parts(const std::vector<Line>& before, Keeps keeps, std::vector<Line>& lines) {
   for (const Line& line : before) {
@@ -165,7 +165,7 @@ MapLineSources line_sources(const pipeline::TilePipeline& pipeline, const tile::
 }
 
 tile::MapLines link(const MapLineSources& sources) {
-  std::vector<TileKey> keys;  // sorted: what lines are does not depend on the order of tiles, but their order does
+  std::vector<TileKey> keys;  // sorted: the order of tiles does not change the lines, but it changes their order
   keys.reserve(sources.tiles.size());
   for (const auto& [key, tile] : sources.tiles) keys.push_back(key);
   std::sort(keys.begin(), keys.end());

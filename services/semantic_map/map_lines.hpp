@@ -15,8 +15,8 @@
 #include "services/semantic_map/tile/driven_path.hpp"
 
 /// @file
-/// Lines from the points and cells of many tiles: those about the vehicle for the bus, those of the whole map for its
-/// file.
+/// Links lines from the points and cells of many tiles: those around the vehicle for publication, those of the whole
+/// map for its file.
 
 namespace curbstone::semantic_map {
 
@@ -25,51 +25,52 @@ using MapBox = Eigen::AlignedBox2d;  ///< m in map
 /// The curb points in a box.
 [[nodiscard]] std::vector<curb_lines::MapCurbPoint> curb_points_in(const MapBox& box,
                                                                    const pipeline::TilePipeline& pipeline);
-/// The cells of paint in a box, those on kerbstones too.
+/// The cells of paint in a box, including those on kerbstones.
 [[nodiscard]] std::vector<marking_lines::MapMarkingCell> marking_cells_in(const MapBox& box,
                                                                           const pipeline::TilePipeline& pipeline);
 
-/// Gives a tile by its key; nullptr for none.
+/// Returns a tile by its key; nullptr if there is none.
 using TileLookup = std::function<std::shared_ptr<const tile::MapTile>(TileKey key)>;
-/// Linked, with bridges over ground that the tiles show (curb_lines::add_bridges()).
+/// Links curbs and adds bridges over ground that the tiles show (curb_lines::add_bridges()).
 [[nodiscard]] std::vector<tile::CurbLine> link_and_bridge_curbs(const std::vector<curb_lines::MapCurbPoint>& points,
                                                                 const TileLookup& tiles);
-/// The markings of the road, of the cells that are not on the stones of kerbs (marking_lines::link_marking_cells()).
-/// Lines beyond a raised kerb, seen from the path, are left out: yards and lawns have bright strips, too. Beyond one
-/// that is lowered or lies flush only long lines and crossings are kept.
+/// Links the road markings, from the cells that are not on kerbstones (marking_lines::link_marking_cells()). Lines
+/// beyond a raised kerb, seen from the path, are left out: yards and lawns have bright strips, too. Beyond a lowered or
+/// flush kerb, only long lines and crossings are kept.
 [[nodiscard]] std::vector<tile::MarkingLine> link_road_markings(std::vector<marking_lines::MapMarkingCell> cells,
                                                                 const Kerbstones& kerbs, const tile::DrivenPath& path,
                                                                 const markings::MarkingParameters& parameters);
 
 /// The curb lines of the whole map.
 [[nodiscard]] std::vector<tile::CurbLine> all_curbs(const pipeline::TilePipeline& pipeline);
-/// The markings of the whole map. `curbs`: its curb lines. `path`: driven.
+/// The markings of the whole map. `curbs`: its curb lines. `path`: as driven.
 [[nodiscard]] std::vector<tile::MarkingLine> all_markings(const pipeline::TilePipeline& pipeline,
                                                           const std::vector<tile::CurbLine>& curbs,
                                                           const tile::DrivenPath& path,
                                                           const markings::MarkingParameters& parameters);
 
-/// Of one tile, what lines are linked from, as it was at one time. It is shared with the pipeline, and never changed.
+/// The inputs of line linking for one tile, a snapshot. It is shared with the pipeline, and immutable.
 struct LineTile {
   std::shared_ptr<const std::vector<curbs::CurbPoint>> curbs;
   std::shared_ptr<const std::vector<markings::MarkingCell>> markings;
   std::shared_ptr<const tile::MapTile> classes;  ///< nullptr: not known yet
 };
-/// Of a tile that the pipeline has.
+/// Snapshot of a tile of the pipeline.
 [[nodiscard]] LineTile line_tile(TileKey key, const pipeline::TilePipeline& pipeline);
 
-/// What the lines of the whole map are linked from, as it was at one time. To link takes longer the larger the map is;
-/// this can be done in another thread.
+/// The inputs of line linking for the whole map, a snapshot. Linking takes longer the larger the map is; with a
+/// snapshot it can run in another thread.
 struct MapLineSources {
   std::unordered_map<TileKey, LineTile, TileKeyHash> tiles;
   tile::DrivenPath path;
   markings::MarkingParameters markings;
-  std::shared_ptr<const store::StoredLines> before;  ///< of a predecessor, whose tiles need not all be known any more
+  std::shared_ptr<const store::StoredLines>
+      before;  ///< lines of a predecessor, some of whose tiles may not be known yet
 };
 [[nodiscard]] MapLineSources line_sources(const pipeline::TilePipeline& pipeline, const tile::DrivenPath& path,
                                           const markings::MarkingParameters& parameters);
-/// The same as all_curbs() and all_markings() then, and those parts of the lines before that lie in tiles that only
-/// the predecessor had.
+/// Links the snapshot: the same lines as all_curbs() and all_markings() gave then, and those parts of `before` that lie
+/// in tiles that only the predecessor had.
 [[nodiscard]] tile::MapLines link(const MapLineSources& sources);
 
 }  // namespace curbstone::semantic_map

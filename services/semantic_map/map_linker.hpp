@@ -13,26 +13,25 @@
 
 namespace curbstone::semantic_map {
 
-/// Has the lines of the whole map linked in another thread, from what the map is at one time. That thread keeps what it
-/// linked from, and is given only what has changed since: that takes as long as much has changed, however large the map
-/// has grown.
+/// Links the lines of the whole map in another thread, from snapshots. That thread keeps its inputs and receives only
+/// what has changed since: the cost depends on the amount of change, not on the size of the map.
 class MapLinker {
  public:
   explicit MapLinker(const markings::MarkingParameters& parameters) : parameters_(parameters) { clear(); }
 
-  /// The vehicle was there: DrivenPath::add().
+  /// Adds a place of the vehicle: DrivenPath::add().
   void drove(std::int64_t utime, const Eigen::Vector2d& place) { driven_.emplace_back(utime, place); }
-  /// Another epoch begins: nothing is known any more.
+  /// Discards everything: another epoch begins.
   void clear();
-  /// What links the lines as they are now; the same as link(line_sources()). To be called once, in any thread, and to
-  /// have returned before this is asked for again.
+  /// Returns a function that links the lines as they are now, with the same result as link(line_sources()). It is to be
+  /// called once, in any thread, and must have returned before link_as_is() is called again.
   [[nodiscard]] store::MapKeeper::LinkLines link_as_is(pipeline::TilePipeline& pipeline,
                                                        std::shared_ptr<const store::StoredLines> before);
 
  private:
   markings::MarkingParameters parameters_;
-  std::vector<std::pair<std::int64_t, Eigen::Vector2d>> driven_;  ///< since it was asked last
-  std::shared_ptr<MapLineSources> sources_;                       ///< whose links it gives out: theirs
+  std::vector<std::pair<std::int64_t, Eigen::Vector2d>> driven_;  ///< since the last link_as_is()
+  std::shared_ptr<MapLineSources> sources_;                       ///< owned by the function handed out, while it runs
 };
 
 }  // namespace curbstone::semantic_map

@@ -9,7 +9,7 @@ namespace curbstone::semantic_map {
 namespace {
 
 constexpr std::size_t kMaxVertices = 1800;  // 24 bytes each: below 48 kB
-constexpr double kSmaller = 0.7;            // of the range, where there are more
+constexpr double kSmaller = 0.7;            // factor on the range if there are more
 
 std::size_t num_vertices(const std::vector<tile::CurbLine>& lines) {
   std::size_t vertices = 0;

@@ -10,13 +10,13 @@
 
 namespace curbstone::semantic_map {
 
-/// What CURBS says of the lines about the vehicle. A line that is still there keeps its id from message to message.
+/// Makes the CURBS message of the lines around the vehicle. A persisting line keeps its id from message to message.
 class NearbyCurbs {
  public:
-  /// `range`: m, half of the box's side; less where there is more than a message holds.
+  /// `range`: m, half of the box's side; reduced if a message cannot hold all lines.
   explicit NearbyCurbs(double range) : range_(range) {}
 
-  /// `vehicle`, `path`: m in map; the path decides which way a line rises. The caller fills in utime and epoch.
+  /// `vehicle`, `path`: m in map; the path determines the sign of a line's rise. The caller fills in utime and epoch.
   [[nodiscard]] curb_lines_t next(const pipeline::TilePipeline& pipeline, const Eigen::Vector2d& vehicle,
                                   const tile::DrivenPath& path);
   /// The lines of the last message.

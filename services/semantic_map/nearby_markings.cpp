@@ -9,8 +9,8 @@ namespace curbstone::semantic_map {
 namespace {
 
 constexpr std::size_t kMaxMarkingVertices = 2200;  // 13 bytes each, 33 a line that has two or more: below 48 kB
-constexpr double kSmallerBox = 0.7;                // of the range, where there are more
-constexpr double kBeyondBox = 4.0;                 // m, of cells that lines at the box's edge are linked with
+constexpr double kSmallerBox = 0.7;                // factor on the range if there are more
+constexpr double kBeyondBox = 4.0;                 // m of cells beyond the box, for the lines at its edge
 
 std::size_t message_size(const std::vector<tile::MarkingLine>& lines) {
   std::size_t vertices = 0;

@@ -10,10 +10,10 @@
 
 namespace curbstone::semantic_map {
 
-/// What MARKINGS says of the lines about the vehicle. A line that is still there keeps its id from message to message.
+/// Makes the MARKINGS message of the lines around the vehicle. A persisting line keeps its id from message to message.
 class NearbyMarkings {
  public:
-  /// `range`: m, half of the box's side; less where there is more than a message holds.
+  /// `range`: m, half of the box's side; reduced if a message cannot hold all lines.
   NearbyMarkings(double range, const markings::MarkingParameters& parameters)
       : range_(range), parameters_(parameters) {}
 

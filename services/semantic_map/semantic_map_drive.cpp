@@ -6,7 +6,7 @@
 #include "services/semantic_map/semantic_messages.hpp"
 
 /// @file
-/// SemanticMapNode: what it hears of the drive, and what it does at its end.
+/// SemanticMapNode: input of the drive, and the end of the drive.
 
 namespace curbstone::semantic_map {
 
@@ -17,7 +17,7 @@ constexpr std::size_t kSteppedAtOnce = 4000;  // steps of tiles: most of a secon
 
 }  // namespace
 
-/// The drive is kept until it is known whether the mapper has begun another epoch.
+/// Messages are held until it is known whether the mapper has begun another epoch.
 template <typename Message>
 bool SemanticMapNode::follow_mapper(const Message& message) {
   const bool is_present = follow_epoch(message.epoch, EpochFollower::Source::kMapper);
@@ -46,7 +46,7 @@ void SemanticMapNode::take(const map_pose_t& message) {
   drive_.add(message.utime);
 }
 
-/// The drive as a new epoch has it: what MAP_POSE said before is void.
+/// Takes the drive of a new epoch: earlier poses of MAP_POSE are void.
 void SemanticMapNode::on(const map_trajectory_t& message) {
   if (follow_mapper(message)) take(message);
 }
@@ -69,7 +69,7 @@ void SemanticMapNode::take(const map_trajectory_t& message) {
     keeper_.corrected_from(message.utimes.front());
 }
 
-/// The drive has begun by then: the first pose decides whether it is that of the map file.
+/// Called once the drive has begun: its first pose decides whether the map file has the same drive.
 void SemanticMapNode::take_again(const map_trajectory_t& message) {
   for (std::size_t i = 0; drive_started_ && i < message.utimes.size(); ++i) {
     const Pose T_map_base = pose_of(message, i);
@@ -95,7 +95,7 @@ void SemanticMapNode::begin_drive(std::int64_t utime) {
   drive_started_ = true;
 }
 
-/// Whatever waited is computed and said.
+/// Computes and publishes everything that is stale or waits.
 void SemanticMapNode::settle() {
   pipeline::WorkResult settled = pipeline_.settle();
   ask_for_lost();
@@ -123,7 +123,7 @@ void SemanticMapNode::finish() {
   if (!config_.picture.empty()) draw_picture(lines);
 }
 
-/// Depends on the map and on where the vehicle came to, not on when it was said before.
+/// Depends on the map and on the vehicle's last position, not on earlier messages.
 void SemanticMapNode::say_last() {
   if (curbs_changed_ || curbs_from_ != vehicle_) publish_curbs(newest_utime_);
   if (markings_changed_ || (config_.markings.enabled && markings_from_ != vehicle_)) publish_markings(newest_utime_);

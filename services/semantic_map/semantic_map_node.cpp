@@ -12,25 +12,25 @@ namespace curbstone::semantic_map {
 
 namespace {
 
-constexpr std::int64_t kTilePeriod = 100'000;   // us between two messages about a tile that no new points came to
-constexpr std::int64_t kCurbsPeriod = 200'000;  // us; to link the lines takes a millisecond
+constexpr std::int64_t kTilePeriod = 100'000;   // us between two messages of a tile without new points
+constexpr std::int64_t kCurbsPeriod = 200'000;  // us; linking the lines takes a millisecond
 constexpr std::int64_t kMarkingsPeriod = 1'000'000;
 constexpr std::int64_t kIndexPeriod = 1'000'000;
 constexpr std::int64_t kWritePeriod = 1'000'000;
-constexpr std::int64_t kStoreLinesPeriod = 5'000'000;  // all of them each time
-constexpr std::int64_t kStoreLinesShare = 20;  // but no more than a twentieth of a core, however large the map is
+constexpr std::int64_t kStoreLinesPeriod = 5'000'000;  // all lines each time
+constexpr std::int64_t kStoreLinesShare = 20;          // at most a twentieth of a core, however large the map is
 constexpr std::int64_t kRequestPeriod = 100'000;
-constexpr int kShownAtOnce = 32;            // tiles, about 10 ms: then the messages that came meanwhile
-constexpr QueueLimit kVotedQueue = {3000};  // two seconds of them, 20 MB: a starved process catches up
+constexpr int kShownAtOnce = 32;            // tiles, about 10 ms: then new messages are taken
+constexpr QueueLimit kVotedQueue = {3000};  // two seconds of messages, 20 MB: a process short of CPU catches up
 constexpr std::size_t kAnswersPerTick = 4;
-constexpr std::size_t kMaxTiles = 200'000;  // 1.8 square kilometres: memory has an end
+constexpr std::size_t kMaxTiles = 200'000;  // 1.8 square kilometres: bounds the memory
 
 cells::ClassParameters with_vehicle(cells::ClassParameters classes, const VehicleConfig& vehicle) {
   classes.vehicle_height = vehicle.height;
   return classes;
 }
 
-/// Beside the map. Without a file for the map: in memory.
+/// In a file beside the map, or in memory if the map has no file.
 std::shared_ptr<SpillFile> file_for_far(const SemanticMapConfig& config) {
   if (config.map.empty()) return std::make_shared<SpillFile>();
   const std::filesystem::path folder = std::filesystem::path(config.map).parent_path();
@@ -38,8 +38,8 @@ std::shared_ptr<SpillFile> file_for_far(const SemanticMapConfig& config) {
                                      static_cast<std::uint64_t>(config.keep_free * 1e9));
 }
 
-/// Grows by itself since the epoch began (it is named after the second in which it did), faster than a tile is sent: a
-/// service that was restarted goes on above the revisions it sent before. An epoch may last for a year.
+/// Revision of a tile: counts up from the second in which the epoch began (the epoch's name), faster than a tile is
+/// published. A restarted service thus continues above the revisions that it sent before. An epoch may last for a year.
 std::int32_t revision_at(std::int64_t now, std::int32_t epoch) {
   constexpr std::int64_t kStep = 20'000;
   const std::int64_t begin = std::int64_t{epoch} * 1'000'000;
@@ -190,7 +190,7 @@ void SemanticMapNode::send_requests(std::int64_t now) {
   if (poses.num_tiles > 0) bus_.publish("TILE_REQUEST", poses);
 }
 
-/// Not all at once: what waits longer takes in more messages, and a process that gets little of the CPU loses none.
+/// Not all at once: a tile that waits longer includes more messages, and a process short of CPU loses none.
 void SemanticMapNode::show_new_points(std::int64_t now) {
   for (int i = 0; i < kShownAtOnce && show_next(now); ++i) {
   }
@@ -224,8 +224,8 @@ void SemanticMapNode::publish_changed(const std::set<TileKey>& changed, std::int
   }
 }
 
-/// What has new points goes out at once, and again when its curbs know of them; what is only seen otherwise not too
-/// often.
+/// A tile with new points is published at once, and again when its curbs include them; a tile that only its neighbours
+/// changed is published less often.
 bool SemanticMapNode::publish_if_due(TileKey key, std::int64_t now) {
   const auto it = published_.find(key);
   const auto tile = pipeline_.classes(key);
@@ -238,7 +238,7 @@ bool SemanticMapNode::publish_if_due(TileKey key, std::int64_t now) {
 
 void SemanticMapNode::publish_tile(const std::shared_ptr<const tile::MapTile>& tile, std::int64_t now) {
   Published& published = published_[tile->key];
-  if (published.tile && *published.tile == *tile) return;  // became another, and what it was again
+  if (published.tile && *published.tile == *tile) return;  // it changed and changed back
   const bool is_newer = !published.tile || tile->utime > published.tile->utime;
   published.at = now;
   published.tile = tile;
@@ -273,7 +273,7 @@ void SemanticMapNode::publish_curbs(std::int64_t now) {
   last_curbs_ = now;
   curbs_changed_ = false;
   curbs_from_ = vehicle_;
-  markings_changed_ = config_.markings.enabled;  // what lies on the stones of curbs is no paint
+  markings_changed_ = config_.markings.enabled;  // paint on kerbstones is not a marking
   curb_lines_t message = nearby_curbs_.next(pipeline_, vehicle_, path_);
   message.utime = newest_utime_;
   message.epoch = epoch_;
@@ -291,7 +291,7 @@ void SemanticMapNode::publish_markings(std::int64_t now) {
 }
 
 void SemanticMapNode::store(std::int64_t now) {
-  // While it writes, lines may be linked: by the same linker not twice at a time.
+  // The writing thread may be linking lines, and the linker must not run twice at a time.
   if (lines_unstored_ && keeper_.keeps() && !keeper_.busy() &&
       now - last_lines_stored_ >= std::max(kStoreLinesPeriod, kStoreLinesShare * keeper_.linking_took())) {
     last_lines_stored_ = now;

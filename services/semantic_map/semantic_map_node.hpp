@@ -57,26 +57,26 @@ class SemanticMapNode final : public Node {
   struct Published {
     std::shared_ptr<const tile::MapTile> tile;
     std::int32_t revision = 0;
-    std::int64_t at = 0;  // us, when it went out
+    std::int64_t at = 0;  // us, time of publication
   };
-  /// Whether a message that names this epoch is of the present one, which may begin with it.
+  /// Whether a message of this epoch belongs to the current epoch, which may begin with it.
   bool follow_epoch(std::int32_t epoch, EpochFollower::Source source);
   template <typename Message>
   bool follow_mapper(const Message& message);
   void enter_epoch(std::int32_t epoch);
   void take(const map_pose_t& message);
   void take(const map_trajectory_t& message);
-  /// Poses that this process did not hear when they were said.
+  /// Takes poses that were lost and sent again.
   void take_again(const map_trajectory_t& message);
   void begin_drive(std::int64_t utime);
   void add_to_path(std::int64_t utime, const Eigen::Vector2d& place);
   void send_requests(std::int64_t now);
   void ask_for_lost();
-  /// Columns and classes of tiles with new points, some at a time, and sends them.
+  /// Computes columns and classes of tiles with new points, some at a time, and publishes them.
   void show_new_points(std::int64_t now);
-  /// Of one of them; false if none waits.
+  /// Does so for one tile; false if none waits.
   bool show_next(std::int64_t now);
-  /// Does the piece of work that is due, and tells which tiles became others. Nothing if none is due.
+  /// Does the next piece of work and returns the tiles that changed. Nothing if none is due.
   std::optional<std::set<TileKey>> work_on_one(std::int64_t now);
   std::set<TileKey> work_on_all(std::int64_t now);
   void publish_changed(const std::set<TileKey>& changed, std::int64_t now);
@@ -85,7 +85,7 @@ class SemanticMapNode final : public Node {
   void publish(const Published& published);
   void answer_requests();
   void publish_index(std::int64_t now);
-  /// Before the first points there is nothing to say of curbs and markings, and no time at which it is so.
+  /// Before the first points there are no curbs or markings to publish, and no stamp for them.
   [[nodiscard]] bool has_points() const { return newest_utime_ > 0; }
   void settle();
   void settle_while_lost();
@@ -108,28 +108,28 @@ class SemanticMapNode final : public Node {
   TileFollower voted_{"semantic_map", "VOTED_POINTS"};
   DriveFollower drive_{"semantic_map"};
   TileCatalog catalog_{"semantic_map", "SEMANTIC_TILE"};
-  bool idles_ = false;        // whether idle() is called, so that tick() need not work
+  bool idles_ = false;        // idle() is called, so tick() need not work
   std::int64_t now_ = 0;      // us, of the last tick()
-  std::set<TileKey> unsent_;  // changed since they were sent
+  std::set<TileKey> unsent_;  // changed since they were published
   std::unordered_map<TileKey, Published, TileKeyHash> published_;
   std::unordered_map<TileKey, std::int32_t, TileKeyHash> revisions_;  // of voted tiles
 
   EpochFollower epochs_;
   HeldDrive held_;
-  std::int32_t epoch_ = 0;  // the present one, once there is one
+  std::int32_t epoch_ = 0;  // the current one, if has_epoch_
   bool has_epoch_ = false;
   bool drive_started_ = false;
   std::int64_t last_pose_utime_ = 0;
   LostPause pause_{6'000'000};
-  std::int64_t newest_utime_ = 0;  // of anything that came
+  std::int64_t newest_utime_ = 0;  // of any input
   Eigen::Vector2d vehicle_ = Eigen::Vector2d::Zero();
   tile::DrivenPath path_;
 
   bool curbs_changed_ = false;
-  Eigen::Vector2d curbs_from_ = Eigen::Vector2d::Zero();  ///< where the vehicle was when CURBS was said last
+  Eigen::Vector2d curbs_from_ = Eigen::Vector2d::Zero();  ///< position of the vehicle at the last CURBS
   std::int64_t last_curbs_ = 0;
   bool markings_changed_ = false;
-  Eigen::Vector2d markings_from_ = Eigen::Vector2d::Zero();  ///< likewise MARKINGS
+  Eigen::Vector2d markings_from_ = Eigen::Vector2d::Zero();  ///< position of the vehicle at the last MARKINGS
   std::int64_t last_markings_ = 0;
   bool lines_unstored_ = false;
   std::int64_t last_lines_stored_ = 0;

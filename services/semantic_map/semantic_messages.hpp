@@ -14,11 +14,11 @@
 
 namespace curbstone::semantic_map {
 
-/// `path`: where the vehicle drove, m in map, which decides the sign of the rise.
+/// `path`: as driven, m in map; it determines the sign of the rise.
 [[nodiscard]] curb_line_t to_message(const tile::CurbLine& line, const tile::DrivenPath& path);
 [[nodiscard]] marking_line_t to_message(const tile::MarkingLine& line);
 [[nodiscard]] semantic_tile_t to_message(const tile::MapTile& tile, std::int32_t epoch, std::int32_t revision);
-/// One pose of a page of the drive; what is in it may be anything.
+/// One pose of a page of the drive; its values are not checked.
 [[nodiscard]] Pose pose_of(const map_trajectory_t& page, std::size_t i);
 
 }  // namespace curbstone::semantic_map

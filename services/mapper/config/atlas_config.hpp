@@ -4,13 +4,13 @@
 
 namespace curbstone::mapper::config {
 
-/// What is remembered of the drive, for whatever must be built anew.
+/// The drive's pose graph, from which the map is rebuilt when necessary.
 ///
-/// An edge of the drive is as uncertain as the map drifts along it: a random walk, so sigma goes with the root of the
-/// length. Not as uncertain as registration says of its two poses: their errors do not add up along the drive, as every
-/// node is registered to the map that its neighbours made, and a chain of independent edges would add them up. The
+/// The covariance of an edge of the drive is the drift of the map along it: a random walk, so sigma grows with the root
+/// of the length. The covariance that registration gives its two poses is not used: every node is registered to the map
+/// of its neighbours, so these errors do not add up along the drive, as a chain of independent edges would assume. The
 /// steps cover the drift of the worse method: t_rel and r_rel of `curbstone bench mapping` on the recorded street, over
-/// 10..60 m, are a random walk of 7.3 to 8.0 mm and 0.33 mrad a root metre and axis with loam, 4.8 to 5.7 mm and 0.15
+/// 10..60 m, are a random walk of 7.3 to 8.0 mm and 0.33 mrad per root metre and axis with loam, 4.8 to 5.7 mm and 0.15
 /// to 0.16 mrad with icp (the mean of 1 / sqrt(length) is 0.19, that of a norm over three axes 1.6 sigma).
 struct AtlasConfig {
   double spacing = 1.0;

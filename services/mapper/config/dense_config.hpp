@@ -6,7 +6,7 @@
 
 namespace curbstone::mapper::config {
 
-/// The dense map: what goes in.
+/// Settings of the dense map.
 struct DenseConfig {
   double voxel = 0.05;
   double max_range = 20.0;
@@ -24,8 +24,7 @@ struct DenseConfig {
   int asleep_here = 200;
   int max_points = 30'000'000;
 
-  /// s, until all that was seen has its place in the map or none: what must have stayed is looked at every fourth
-  /// scan.
+  /// s, until every hit has settled in the map or has been dropped: held voxels are tested every fourth scan.
   [[nodiscard]] double settled_after() const { return std::max(settle_s, persistence_s) + 0.2; }
 
   void visit(ConfigVisitor& v) {

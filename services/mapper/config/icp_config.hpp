@@ -4,7 +4,7 @@
 
 namespace curbstone::mapper::config {
 
-/// Point-to-plane registration.
+/// Settings of point-to-plane registration.
 struct IcpConfig {
   double source_voxel = 0.10;
   double max_range = 60.0;

@@ -4,7 +4,7 @@
 
 namespace curbstone::mapper::config {
 
-/// Registration by edge and plane features.
+/// Settings of registration by edge and plane features.
 struct LoamConfig {
   double edge_bend = 0.10;
   double plane_bend = 0.10;

@@ -4,7 +4,7 @@
 
 namespace curbstone::mapper::config {
 
-/// Closing loops.
+/// Settings of loop closure.
 struct LoopConfig {
   bool close = true;
   double look_every = 2.0;

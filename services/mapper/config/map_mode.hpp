@@ -2,11 +2,11 @@
 
 namespace curbstone::mapper::config {
 
-/// What becomes of the map on disk.
+/// How the drive uses the map on disk.
 enum class MapMode {
-  kMap,       ///< a new map begins, and takes the place of the one there
-  kExtend,    ///< the drive goes on with it
-  kLocalise,  ///< it is used, and stays as it is
+  kMap,       ///< begins a new map, which replaces the one on disk
+  kExtend,    ///< extends the map on disk
+  kLocalise,  ///< localises in the map on disk and does not change it
 };
 
 }  // namespace curbstone::mapper::config

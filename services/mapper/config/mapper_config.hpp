@@ -13,8 +13,8 @@
 
 namespace curbstone::mapper::config {
 
-/// The mapper's settings; every default is good for an RS-LiDAR-16 on a vehicle. What each means, and its unit, is what
-/// visit() says of it. Keys of `tracker` and `registration` stand beside the mapper's own in a file.
+/// The mapper's settings; the defaults suit an RS-LiDAR-16 on a vehicle. visit() documents the meaning and the unit of
+/// each. In a file, the keys of `tracker` and `registration` are at the same level as the mapper's own.
 struct MapperConfig {
   int threads = 2;
   MapMode mode = MapMode::kMap;

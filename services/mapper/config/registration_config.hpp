@@ -6,13 +6,13 @@
 
 namespace curbstone::mapper::config {
 
-/// How scans are registered.
+/// Registration methods.
 enum class RegistrationMethod {
   kIcp,   ///< points to planes
   kLoam,  ///< edges and planes
 };
 
-/// The method of registration, and the settings of each.
+/// The registration method, and the settings of each method.
 struct RegistrationConfig {
   RegistrationMethod method = RegistrationMethod::kIcp;
   IcpConfig icp;

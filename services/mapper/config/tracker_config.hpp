@@ -4,7 +4,7 @@
 
 namespace curbstone::mapper::config {
 
-/// What is expected of a scan's pose, when registration is believed, and which scans its map takes.
+/// Settings of the pose prediction, of the acceptance of registrations, and of the choice of scans for the map.
 struct TrackerConfig {
   double prior_translation = 0.03;
   double prior_rotation = 0.02;

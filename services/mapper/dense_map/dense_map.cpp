@@ -7,20 +7,20 @@
 namespace curbstone::mapper::dense_map {
 namespace {
 
-constexpr std::int64_t kGiveUp = 3'000'000;       // us without a hit: what waits is forgotten
-constexpr double kGroundSlope = 0.05;             // by which unseen ground may rise above the vehicle's plane
+constexpr std::int64_t kGiveUp = 3'000'000;       // us without a hit, after which a waiting voxel is dropped
+constexpr double kGroundSlope = 0.05;             // rate at which unseen ground may rise above the vehicle's plane
 constexpr std::int64_t kHousekeeping = 64;        // scans between
-constexpr std::uint32_t kHeldEvery = 4;           // scans between looks at what is held
-constexpr std::size_t kShareByScan = 16;          // of the tiles that sleep, one in so many is put away
-constexpr int kLookEvery = 4;                     // scans between looks through a tile
-constexpr std::int64_t kRemoveEvery = 1'000'000;  // us: whoever votes counts such a tile anew
+constexpr std::uint32_t kHeldEvery = 4;           // scans between tests of a held voxel
+constexpr std::size_t kShareByScan = 16;          // divisor: share of the sleeping tiles that is spilled with each scan
+constexpr int kLookEvery = 4;                     // scans between free-space tests of a tile
+constexpr std::int64_t kRemoveEvery = 1'000'000;  // us: subscribers recount such a tile's votes
 constexpr double kWorldEdge = 90'000;             // m from the start, in either axis
-constexpr std::size_t kAhead = 12;                // points that memory is asked for what they need before their turn
-constexpr int kHighestStep = 32000;               // of a point above its tile's origin, either way
-constexpr std::size_t kMovedAtOnce = 300'000;     // points, in the time that a pose may be late,
+constexpr std::size_t kAhead = 12;                // points ahead for which memory is prefetched
+constexpr int kHighestStep = 32000;               // of a point from its tile's origin, up or down
+constexpr std::size_t kMovedAtOnce = 300'000;     // points, within the delay that a pose allows,
 constexpr std::size_t kMovedByScan = 100'000;     // and within the time of a scan
 
-/// tile_at() of what can be mapped.
+/// tile_at() of a point within the limits of the map.
 std::optional<TileKey> mapped_tile_at(const Eigen::Vector3d& p) {
   if (!(std::abs(p.x()) < kWorldEdge && std::abs(p.y()) < kWorldEdge)) return std::nullopt;
   return TileKey{voxels::floor_to_int(p.x() / kTileSize), voxels::floor_to_int(p.y() / kTileSize)};
@@ -41,7 +41,7 @@ void sort_and_unite(std::vector<TileKey>& keys) {
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
 }
 
-/// Names a waiting voxel in the index of all of them. Not a lattice cell, but as unique.
+/// Key of a waiting voxel in the index of all of them. Not a lattice cell, but equally unique.
 voxels::VoxelKey waiting_key(TileKey tile, std::uint32_t voxel) {
   return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(tile.x) & 0xffff) << 48) |
          (static_cast<std::uint64_t>(static_cast<std::uint32_t>(tile.y) & 0xffff) << 32) | voxel;
@@ -74,7 +74,7 @@ std::vector<TileKey> DenseMap::insert(const std::vector<scan::LidarPoint>& point
     sort_and_unite(grown);
   }
   if (round_ % kHousekeeping == 0) {
-    places_.forget_before(utime - 2 * kGiveUp);  // what waits below one is given up before
+    places_.forget_before(utime - 2 * kGiveUp);  // waiting voxels below such a place have been dropped before
     bound_memory();
   }
   tiles_.put_away(kShareByScan);
@@ -107,7 +107,8 @@ std::vector<TileKey> DenseMap::look_through(const std::vector<scan::LidarPoint>&
       DenseTile* const tile = tiles_.wake({x, y});
       if (tile == nullptr) continue;
       std::vector<std::uint32_t> gone = free_space_.look(*tile, corner_of({x, y}, *tile), view);
-      if (gone.size() == tile->num_points() && !gone.empty()) gone.pop_back();  // a tile that was announced stays one
+      if (gone.size() == tile->num_points() && !gone.empty())
+        gone.pop_back();  // a published tile must not become empty
       if (gone.empty() || utime - tile->removed_at() < kRemoveEvery) continue;
       tile->remove(gone, utime);
       const auto count = static_cast<std::int64_t>(gone.size());
@@ -120,7 +121,7 @@ std::vector<TileKey> DenseMap::look_through(const std::vector<scan::LidarPoint>&
   return changed;
 }
 
-/// First look at the whole scan: the lowest point of each column, then what stands above it.
+/// First pass over the scan: the lowest point of each column, then what stands above it.
 void DenseMap::learn(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base, std::int64_t utime) {
   in_range_.clear();
   for (const scan::LidarPoint& point : points) {
@@ -147,15 +148,15 @@ void DenseMap::learn(const std::vector<scan::LidarPoint>& points, const Pose& T_
   }
 }
 
-/// The lowest point known in the four columns around, but not above where the vehicle's own plane says ground may be:
-/// under a vehicle that hides the ground, the lowest point seen is the vehicle's.
+/// The lowest known point in the four columns around, limited by the height that the vehicle's own plane allows for
+/// ground: under a vehicle that hides the ground, the lowest point seen belongs to the vehicle.
 double DenseMap::ground_at(const Eigen::Vector3d& point) {
   const Eigen::Vector2d d = (point - base_).head<2>();
   const double slope = up_.z() > 0.5 ? -(up_.head<2>().dot(d)) / up_.z() : 0.0;
   return std::min(base_.z() + slope + kGroundSlope * d.norm(), tiles_.lowest_about(point));
 }
 
-/// Most points are in voxels that have one: what is looked up is far apart, and what is done with it is little.
+/// Most points are in voxels that already have one: look-ups are scattered in memory, and little is computed for each.
 void DenseMap::prefetch(const Seen& seen) const {
   if (!seen.in_tile) return;
   seen.tile->prefetch(seen.voxel);
@@ -174,7 +175,7 @@ void DenseMap::hit(const Seen& seen, std::int64_t utime, bool add_new) {
   }
   Waiting& waiting = waiting_[at];
   waiting.last = utime;
-  if (waiting.hits >= config_.settle_hits) return;  // its point is made; only its proof is missing
+  if (waiting.hits >= config_.settle_hits) return;  // the point is complete; only the proof that it stays is missing
   ++waiting.hits;
   waiting.lit += seen.in_tile->intensity > 0 ? 1 : 0;
   waiting.intensity += seen.in_tile->intensity;
@@ -196,10 +197,10 @@ bool DenseMap::may_be_moving(const Eigen::Vector3d& point, std::int64_t utime) {
   return places_.passing_above(point, utime);
 }
 
-/// Whether the voxel leaves the waiting room: because it went into the map or because it was given up.
+/// Whether the voxel stops waiting: it was added to the map or dropped.
 bool DenseMap::settle(Waiting& waiting, std::int64_t utime, bool last_call) {
   if (!last_call && waiting.hits < config_.settle_hits && utime - waiting.first < settle_us_) return false;
-  // What is held takes turns: a place is no proof sooner than after a second.
+  // Held voxels are tested in turns: a place cannot count as static before a second anyway.
   if (!last_call && waiting.held && (static_cast<std::uint32_t>(round_) + waiting.voxel) % kHeldEvery != 0)
     return false;
   waiting.held = true;
@@ -248,7 +249,7 @@ void DenseMap::forget_waiting() {
 }
 
 void DenseMap::move(const std::vector<Pose>& corrections) {
-  std::vector<TileKey> moved;  // all tiles are other ones, and whoever asks for keys() gets them
+  std::vector<TileKey> moved;  // discarded: all tiles are replaced, and callers take keys()
   move_rest(moved);            // of an earlier correction
   mover_ = TileMover(std::exchange(tiles_, no_tiles()), corrections, base_);
   forget_waiting();
@@ -261,7 +262,7 @@ void DenseMap::move_some(std::size_t most, std::vector<TileKey>& grown) {
     const auto key = put(point);
     if (key && (grown.empty() || grown.back() != *key)) grown.push_back(*key);
   });
-  (void)tiles_.sleep_beyond(base_, config_.max_range + config_.awake);  // so that the whole map is never awake
+  (void)tiles_.sleep_beyond(base_, config_.max_range + config_.awake);  // bounds the number of awake tiles
 }
 
 void DenseMap::move_rest(std::vector<TileKey>& grown) {
@@ -271,7 +272,7 @@ void DenseMap::move_rest(std::vector<TileKey>& grown) {
   }
 }
 
-/// Returns the tile that has taken it; nothing if there is no room for it in its voxel.
+/// Adds a moved point. Returns its tile; nothing if its voxel is occupied, or if it lies outside the map or tile.
 std::optional<TileKey> DenseMap::put(const MovedPoint& point) {
   const auto key = mapped_tile_at(point.position);
   if (!key) return std::nullopt;

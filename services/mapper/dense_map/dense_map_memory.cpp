@@ -3,11 +3,12 @@
 #include "services/mapper/dense_map/dense_map.hpp"
 
 /// @file
-/// DenseMap: tiles that come from elsewhere, tiles that go, and what they take of memory.
+/// DenseMap: tiles from other sources, evicted tiles, and memory.
 
 namespace curbstone::mapper::dense_map {
 
-/// What is in the file needs no bound, as the disk has its own; what waits for it only waits.
+/// Spilled records need no bound here, as the disk has its own; records that wait to be written are kept only until
+/// then.
 void DenseMap::bound_memory() {
   std::vector<TileKey> far = tiles_.sleep_beyond(base_, config_.max_range + config_.awake);
   std::int64_t here = size_ + 2 * num_removals_;
@@ -61,7 +62,7 @@ void DenseMap::load(TileKey key, std::int32_t z_origin, std::int64_t utime, cons
   far_->flush_much();
 }
 
-/// What was far from the vehicle, or is of an earlier drive, was asleep.
+/// A tile that was far from the vehicle, or belongs to an earlier drive, is restored asleep.
 void DenseMap::restore(TileKey key, std::int32_t z_origin, TileRecords records, const Eigen::Vector3d& at) {
   const bool is_near = distance_of(key, at) < config_.max_range + config_.awake;
   const bool is_fixed = !records.runs.empty() && records.runs.front().anchor == kFixed;

@@ -53,14 +53,14 @@ void NumberSet::insert(std::uint32_t number, bool marked) {
   slot = (number + 1) | (marked ? kMark : 0);
 }
 
-/// What was put behind the hole moves up, so no search gets longer for it.
+/// Entries behind the hole move up, so that searches do not get longer.
 void NumberSet::erase(std::uint32_t number) {
   if (!contains(number)) return;
   const std::size_t mask = slots_.size() - 1;
   std::size_t hole = place_of(number);
   for (std::size_t i = (hole + 1) & mask; slots_[i] != 0; i = (i + 1) & mask) {
     if (((i - home_of((slots_[i] & ~kMark) - 1)) & mask) < ((i - hole) & mask))
-      continue;  // its home is behind the hole
+      continue;  // its home slot is behind the hole
     slots_[hole] = slots_[i];
     hole = i;
   }
@@ -80,7 +80,7 @@ std::uint32_t DenseTile::voxel_number(const TilePoint& point) const {
 }
 
 void DenseTile::append_record(const TilePoint& record, std::int64_t utime, std::int32_t anchor) {
-  constexpr std::int64_t kLongestRun = 1'000'000;  // us: what cut_after() can tell apart
+  constexpr std::int64_t kLongestRun = 1'000'000;  // us: resolution of cut_after()
   std::vector<Run>& runs = content_.runs;
   if (runs.empty() || runs.back().anchor != anchor || std::abs(utime - runs.back().utime) > kLongestRun) {
     runs.push_back({anchor, static_cast<std::int32_t>(content_.records.size()), utime});
@@ -146,7 +146,7 @@ bool DenseTile::cut_after(std::int64_t utime) {
     const std::size_t end = old.end_of(r);
     for (auto i = static_cast<std::size_t>(run.first); i < end; ++i) {
       const TilePoint& record = old.records[i];
-      if (is_removal(record)) {  // after a jump of the clock, of something that came "later"
+      if (is_removal(record)) {  // after a clock jump it may remove a point with a later stamp
         if (there.erase(place_key(removal_of(record))) == 0) continue;
         ++num_removals_;
       } else {
@@ -183,7 +183,7 @@ void DenseTile::sleep() {
   give_back(vacated_);
 }
 
-/// What has got nothing new since it was read is still in the file.
+/// If no record was added since the tile was read, the file still holds all of them.
 bool DenseTile::put_away(SpillFile& file) {
   if (!asleep_ || is_away_ || content_.records.empty()) return false;
   if (packed_.empty() || num_packed_ != content_.records.size()) {

@@ -9,17 +9,17 @@
 
 namespace curbstone::mapper::dense_map {
 
-/// A set of numbers below 2^31 - 1, each with a mark or without: open addressing.
+/// A set of numbers below 2^31 - 1, each with an optional mark: open addressing.
 class NumberSet {
  public:
   [[nodiscard]] bool contains(std::uint32_t number) const;
   [[nodiscard]] bool is_marked(std::uint32_t number) const;
-  /// Nothing if it is in the set.
+  /// Does nothing if the number is in the set.
   void insert(std::uint32_t number, bool marked = false);
-  /// Nothing if it is not in the set.
+  /// Does nothing if the number is not in the set.
   void erase(std::uint32_t number);
   [[nodiscard]] std::size_t bytes() const { return slots_.capacity() * sizeof(std::uint32_t); }
-  /// Asks memory for where a search for the number will begin.
+  /// Prefetches the slot at which a search for the number begins.
   void prefetch(std::uint32_t number) const {
     if (!slots_.empty()) __builtin_prefetch(&slots_[home_of(number)]);
   }
@@ -27,13 +27,13 @@ class NumberSet {
  private:
   [[nodiscard]] std::size_t home_of(std::uint32_t number) const;
   [[nodiscard]] std::size_t place_of(std::uint32_t number) const;
-  std::vector<std::uint32_t> slots_;  // number + 1, and the mark; 0 is free
+  std::vector<std::uint32_t> slots_;  // number + 1, and the mark; 0 is unused
   std::size_t size_ = 0;
 };
 
-/// One tile of the dense map: at most one point a voxel. What it keeps are its TileRecords, which are only ever
-/// appended to. Awake it has indexes beside them, by which points are added and taken out. Asleep it has the records
-/// alone, and those may be put away, out of memory: whoever looks at them calls read().
+/// One tile of the dense map, with at most one point per voxel. Its content is its TileRecords, an append-only list. An
+/// awake tile also has indexes, for adding and removing points. A sleeping tile has the records alone, and these may be
+/// spilled to a file: read() gives access to them in every state.
 class DenseTile {
  public:
   using Run = TileRecords::Run;
@@ -43,37 +43,37 @@ class DenseTile {
 
   /// m in map; a whole number.
   [[nodiscard]] std::int32_t z_origin() const { return z_origin_; }
-  /// For a look at its records. Where they are in memory these are they, until the tile changes. Of a tile that is away
-  /// they are read from the file and unpacked, anew with each call, and the copy is the caller's. Null if the file does
-  /// not give them back.
+  /// The records, for reading. If they are in memory the pointer refers to them, and is valid until the tile changes.
+  /// If they are spilled, each call reads them from the file and unpacks them, and the caller owns the copy. Null if
+  /// the file cannot be read.
   [[nodiscard]] std::shared_ptr<const TileRecords> read() const;
   [[nodiscard]] std::size_t num_records() const { return is_away_ ? num_packed_ : content_.records.size(); }
-  /// What is there: the records that are points and have not been taken out.
+  /// Number of points in the tile: those that were added and not removed.
   [[nodiscard]] std::size_t num_points() const { return num_records() - 2 * num_removals_; }
   [[nodiscard]] std::size_t num_removals() const { return num_removals_; }
 
-  /// Names the point's voxel within the tile.
+  /// The number of the point's voxel within the tile.
   [[nodiscard]] std::uint32_t voxel_number(const TilePoint& point) const;
   [[nodiscard]] bool occupied(std::uint32_t voxel) const { return occupied_.contains(voxel); }
-  /// occupied() will be asked for the voxel some points later.
+  /// Prefetches for a call of occupied() some points later.
   void prefetch(std::uint32_t voxel) const { occupied_.prefetch(voxel); }
-  /// Whether the voxel is occupied, and was when the tile woke: by a visit before this one.
+  /// Whether the voxel is occupied, and already was when the tile woke: by an earlier visit.
   [[nodiscard]] bool knew(std::uint32_t voxel) const { return has_slept_ && occupied_.is_marked(voxel); }
   [[nodiscard]] bool has_slept() const { return has_slept_; }
-  /// The point's voxel must not be occupied. `utime`: of the scan that settled the point; `anchor`: the node of
-  /// the drive that the vehicle was at.
+  /// Adds a point; its voxel must not be occupied. `utime`: us, of the scan in which the point settled; `anchor`: the
+  /// keyframe at the vehicle then.
   void append(const TilePoint& point, std::int64_t utime, std::int32_t anchor);
-  /// Takes points out, by the numbers of their records, of which each must be there().
+  /// Removes points by the numbers of their records; each of them must be there().
   void remove(const std::vector<std::uint32_t>& records, std::int64_t utime);
-  /// Takes the records of a tile that was, as they are; for a tile that has none, awake or asleep.
+  /// Sets the records of an empty tile, awake or asleep.
   void restore(TileRecords records);
-  /// Forgets the runs that began after `utime`: what they took out is there again. A tile that is away is read only if
-  /// it has such runs, and is in memory then. False if the file does not give it back.
+  /// Discards the runs that began after `utime`, us: the points that they removed are restored. A spilled tile is read
+  /// only if it has such runs, and stays in memory then. False if the file cannot be read.
   [[nodiscard]] bool cut_after(std::int64_t utime);
-  /// When the newest point came, us. A fact of the content: whenever and in how many messages it is sent.
+  /// Stamp of the newest point, us. It depends on the content alone, not on when or in how many messages it is sent.
   [[nodiscard]] std::int64_t utime() const { return utime_; }
 
-  /// Lowest height seen in each 0.6 m column, m in map; +infinity where nothing was seen.
+  /// Lowest height seen in each 0.6 m column, m in map; +infinity if nothing was seen.
   static constexpr int kColumns = 5;
   static constexpr double kColumnsPerMetre = kColumns / kTileSize;
   [[nodiscard]] float& lowest(int column, int row);
@@ -81,36 +81,36 @@ class DenseTile {
     return lowest(point.x * kColumns / kStepsPerTile, point.y * kColumns / kStepsPerTile);
   }
 
-  /// How often beams have lately been seen to pass through a point, by its record; kGone: it is not there. Forgotten in
-  /// sleep.
+  /// Number of recent scans whose beams passed through a point, by its record; kGone: the point is not there. Discarded
+  /// in sleep.
   static constexpr std::uint8_t kGone = 255;
   [[nodiscard]] std::uint8_t& seen_through(std::size_t record) { return seen_through_[record]; }
   [[nodiscard]] bool there(std::size_t record) const { return seen_through_[record] != kGone; }
-  /// Columns of 0.2 m above which something has been taken out. Forgotten in sleep.
+  /// Columns of 0.2 m above which something was removed. Discarded in sleep.
   static constexpr int kVacatedColumns = 15;
   [[nodiscard]] bool vacated(int column) const {
     return !vacated_.empty() && vacated_[static_cast<std::size_t>(column)];
   }
   void set_vacated(int column);
-  /// When points were taken out last, us.
+  /// Time of the last removal, us.
   [[nodiscard]] std::int64_t removed_at() const { return removed_at_; }
 
-  /// Gives back the memory that only adding points needs; it is made again from the points when wanted.
+  /// Frees the indexes; wake() rebuilds them from the records.
   void sleep();
   [[nodiscard]] bool asleep() const { return asleep_; }
-  /// Takes the records of a tile that sleeps out of memory. False if there is nothing to take: it is awake, away or
+  /// Spills the records of a sleeping tile. False if there is nothing to spill: the tile is awake, spilled already or
   /// empty.
   bool put_away(SpillFile& file);
   [[nodiscard]] bool is_away() const { return is_away_; }
-  /// Away, and not in memory in any form.
+  /// Spilled, and in memory in no form.
   [[nodiscard]] bool is_in_file() const { return is_away_ && packed_.is_in_file(); }
-  /// With its records. False if the file does not give them back: then it is away as before, and is not tried again
-  /// before try_again().
+  /// Reads the records back if necessary and builds the indexes. False if the file cannot be read: the tile stays
+  /// spilled, and wake() does not read again before try_again().
   [[nodiscard]] bool wake();
   void try_again() { is_refused_ = false; }
-  /// PackedRecords of a tile that is away.
+  /// The packed records of a spilled tile.
   [[nodiscard]] const PackedRecords& packed() const { return packed_; }
-  /// Memory that it has asked for, beside its own size and what is away.
+  /// Memory that the tile has allocated, without its own size and what is spilled, in bytes.
   [[nodiscard]] std::size_t bytes() const;
 
  private:
@@ -119,7 +119,7 @@ class DenseTile {
   bool asleep_ = false;
   bool has_slept_ = false;
   bool is_away_ = false;
-  bool is_refused_ = false;  // by the file
+  bool is_refused_ = false;  // the file could not be read
   std::int64_t utime_ = 0;
   std::int64_t newest_run_ = 0;  // us
   void index_points();
@@ -127,8 +127,8 @@ class DenseTile {
   [[nodiscard]] bool bring_back();
   std::int64_t removed_at_ = 0;
   std::size_t num_removals_ = 0;
-  TileRecords content_;         // empty while it is away
-  PackedRecords packed_;        // its first records, if not empty: all of them while it is away
+  TileRecords content_;         // empty while spilled
+  PackedRecords packed_;        // of the first records, or empty; of all records while spilled
   std::size_t num_packed_ = 0;  // records
   NumberSet occupied_;
   std::vector<float> lowest_;

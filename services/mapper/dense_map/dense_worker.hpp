@@ -16,94 +16,94 @@
 
 namespace curbstone::mapper::dense_map {
 
-/// What a scan means to the dense map.
+/// One scan's work on the dense map.
 struct DenseWork {
   struct Insertion {
     scan::SharedPoints points;  ///< de-skewed, in base_link
     Pose T_map_base;
     std::int64_t utime;   ///< us
     std::int32_t anchor;  ///< keyframe of the points that settle with this scan
-    bool add_new;         ///< false: only voxels that are known already take the points
+    bool add_new;         ///< false: hits count only in voxels that are waiting already
     std::shared_ptr<const intensity::RingTable> scale = nullptr;  ///< of their intensities: DenseMap::set_scale()
   };
-  /// What has left is looked for with the points of the last insertion.
+  /// Parameters of free-space removal, which uses the points of the last insertion.
   struct Look {
     scan::Twist motion;         ///< during the scan
-    std::vector<bool> present;  ///< by anchor: its points are where they are seen
-    bool on_known_map = false;  ///< so are those of an earlier drive, which stand or fall together
+    std::vector<bool> present;  ///< by anchor: its points are at their true place
+    bool on_known_map = false;  ///< likewise for all points of an earlier drive, together
   };
   std::vector<Insertion> insertions;
   std::optional<Look> look;
 };
 
-/// Works on the dense map in a thread of its own: the pose needs nothing of it, and it costs as much as the pose. First
-/// the map grows by the insertions. Removing what has left, the look, waits until look(), or until anything else is
-/// done with the map. So the map is a function of the calls, with a second thread or without. One thread calls.
+/// Updates the dense map in a thread of its own: the pose does not depend on it, and it costs as much as the pose.
+/// First the insertions are done. Free-space removal, the look, begins with look(), or before any other operation on
+/// the map. So the map is a function of the calls, with or without a second thread. Calls come from one thread.
 ///
-/// Only the calls that say so wait. The const ones never do: they throw std::logic_error where they are asked for
-/// something that is still being worked on.
+/// Only the calls that say so wait. The const calls never wait: they throw std::logic_error if what they return is
+/// still being worked on.
 class DenseWorker {
  public:
-  /// `beside`: in a thread of its own; else within the wait for it. `far`: as for DenseMap.
+  /// `beside`: in a thread of its own; otherwise the work is done within the wait for it. `far`: as for DenseMap.
   DenseWorker(const config::DenseConfig& config, const Pose& T_base_lidar, bool beside,
               std::shared_ptr<SpillFile> far = std::make_shared<SpillFile>());
   ~DenseWorker();
   DenseWorker(const DenseWorker&) = delete;
   DenseWorker& operator=(const DenseWorker&) = delete;
 
-  /// Begins work, once the work begun earlier is done: waits for that.
+  /// Begins work. Waits for earlier work first.
   void begin(DenseWork work);
-  /// Begins the look of the last work unless it has begun. Waits for the work under way only if there is such a look.
+  /// Begins the look of the last work unless it has begun. Waits for the current work only if there is such a look.
   void look();
-  /// Waits until the map has grown. What has left may still be in it.
+  /// Waits until the insertions are done. The look may still be pending.
   void wait_grown();
-  /// Waits until all is done, the look too.
+  /// Waits until all work is done, including the look.
   void wait();
 
-  /// Each of these changes the map as DenseMap's own do. Waits until all is done first.
+  /// The following call DenseMap's functions of the same name. They wait until all work is done first.
   void load(TileKey key, std::int32_t z_origin, std::int64_t utime, const std::vector<TilePoint>& points);
   void restore(TileKey key, std::int32_t z_origin, TileRecords records, const Eigen::Vector3d& at);
   void move(const std::vector<Pose>& corrections);
   void roll_back(std::int64_t utime);
   [[nodiscard]] std::vector<TileKey> finish();
 
-  /// After wait(), or one of those that change the map.
+  /// The map. To be called after wait(), or after a call that changes the map.
   [[nodiscard]] const DenseMap& map() const;
-  /// After wait_grown().
+  /// The map after the insertions. To be called after wait_grown().
   [[nodiscard]] const DenseMap& grown() const;
 
-  /// DenseMap::num_removals() when the map had last grown, or was last changed.
+  /// DenseMap::num_removals() after the last insertions or other change.
   [[nodiscard]] std::int64_t num_removals() const { return grown_.num_removals; }
-  /// DenseMap::is_moving(), likewise.
+  /// DenseMap::is_moving() after the last insertions or other change.
   [[nodiscard]] bool is_moving() const { return grown_.is_moving; }
-  /// Those of the map when it was last waited for.
+  /// Counters of the map at the last wait.
   [[nodiscard]] const Counters& counters() const { return counters_; }
-  /// Tiles that the work waited for has changed since the last call; each may be there more than once.
+  /// Tiles changed since the last call, by the work that has been waited for; a tile may be listed more than once.
   [[nodiscard]] std::vector<TileKey> take_changed();
-  /// take_changed() has all tiles. After wait_grown().
+  /// Makes take_changed() return all tiles. To be called after wait_grown().
   void note_all_changed() { changed_ = grown().keys(); }
-  /// Tiles that were given up for memory. After wait_grown().
+  /// Tiles that were evicted for memory. To be called after wait_grown().
   [[nodiscard]] std::vector<TileKey> take_evicted();
 
  private:
   using Work = std::shared_ptr<const DenseWork>;
-  /// What is known of the map once it has grown.
+  /// State of the map after the insertions.
   struct Grown {
     std::int64_t num_removals = 0;
     bool is_moving = false;
   };
   struct Result {
     std::vector<TileKey> changed;
-    std::optional<Grown> grown;  // nothing: it has not
+    std::optional<Grown> grown;  // nothing: the insertions are not done
   };
   void start(const Work& to_look, const Work& to_grow);
   void note_change();
 
-  DenseMap map_;  // the task's, while one is under way
+  DenseMap map_;  // owned by the task while one is running
   Pose T_base_lidar_;
   std::launch policy_;
   std::future<Result> under_way_;
-  Work to_look_;  // whose look is still to begin
+  Work to_look_;  // work whose look has not begun
   std::vector<TileKey> changed_;
   Grown grown_;
   Counters counters_;

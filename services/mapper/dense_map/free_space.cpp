@@ -14,11 +14,11 @@ constexpr int kLayers = 60;                          // cells, half of them belo
 constexpr int kLayer = kAcross * kAcross;            // cells in one
 constexpr int kBelowAll = 400;                       // cells: below every int16
 constexpr auto kRecordStep = static_cast<float>(kPositionStep);
-constexpr std::uint8_t kOften = 2;                  // scans whose beams passed through: free
-constexpr std::uint8_t kMost = 4;                   // that are counted
-constexpr float kLowClearance = 0.06F;              // m above the column's lowest point, under what has gone
-constexpr SweepImage::Margins kHigh{0.30F, 0.50F};  // m: an obstacle's own depth, and what is clearly beyond
-constexpr SweepImage::Margins kLow{0.12F, 0.15F};   // m: there the ground is near
+constexpr std::uint8_t kOften = 2;                  // scans whose beams passed through, for a point to count as free
+constexpr std::uint8_t kMost = 4;                   // scans that are counted at most
+constexpr float kLowClearance = 0.06F;              // m above the column's lowest point, below an object that is gone
+constexpr SweepImage::Margins kHigh{0.30F, 0.50F};  // m: the depth of an obstacle, and a clear margin beyond
+constexpr SweepImage::Margins kLow{0.12F, 0.15F};   // m: near the ground
 static_assert(DenseTile::kVacatedColumns == kAcross);
 
 }  // namespace
@@ -26,7 +26,7 @@ static_assert(DenseTile::kVacatedColumns == kAcross);
 FreeSpace::FreeSpace(double ground_clearance)
     : ground_clearance_(static_cast<float>(ground_clearance)), cells_(kLayers * kLayer) {}
 
-/// First look: what each candidate's own beams say, and what was met in each cell.
+/// First pass: the sighting of each candidate, and the cells in which a beam ended.
 void FreeSpace::gather(DenseTile& tile, const Eigen::Vector3d& corner, const View& view) {
   const Eigen::Vector3d lidar = view.T_lidar_map.inverse().translation();
   const int layers_below = voxels::floor_to_int((lidar.z() - corner.z()) / (kCellSteps * kPositionStep)) - kLayers / 2;
@@ -58,7 +58,7 @@ void FreeSpace::gather(DenseTile& tile, const Eigen::Vector3d& corner, const Vie
   }
 }
 
-/// In the cell or one that shares a face with it; a tile's border ends the search.
+/// Whether a beam ended in the cell or in one that shares a face with it, within the tile.
 bool FreeSpace::met_about(std::uint32_t cell) const {
   if (cells_[cell].there) return true;
   const int x = static_cast<int>(cell) % kAcross, y = static_cast<int>(cell) / kAcross % kAcross;

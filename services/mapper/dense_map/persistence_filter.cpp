@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kSize = 0.2;               // m, horizontally
 constexpr double kHeight = 0.6;             // m
-constexpr std::int64_t kBreak = 1'000'000;  // us without a hit: whatever was there has left
+constexpr std::int64_t kBreak = 1'000'000;  // us without a hit, after which the object has left
 
 Eigen::Vector3i cell_of(const Eigen::Vector3d& p) {
   return {voxels::floor_to_int(p.x() / kSize), voxels::floor_to_int(p.y() / kSize),

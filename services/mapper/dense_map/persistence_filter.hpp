@@ -8,23 +8,23 @@
 
 namespace curbstone::mapper::dense_map {
 
-/// Coarse cells of space above the ground (0.2 m, 0.6 m high: the rings of a passing vehicle hit a wall now here, now
-/// there), and since when each has been seen occupied without a break: what moves does not stay in one. Pure; one
-/// thread.
+/// Tracks since when each coarse cell of space has been occupied without a break: a moving object does not stay in one
+/// cell. Cells are 0.2 m wide and 0.6 m high, since the rings of a moving vehicle hit a wall at varying heights. Pure;
+/// one thread.
 class PersistenceFilter {
  public:
-  /// `persistence`: us that a place must have been seen occupied until it counts as staying.
+  /// `persistence`: us that a place must have been occupied before it counts as static.
   explicit PersistenceFilter(std::int64_t persistence) : persistence_(persistence) {}
 
-  /// Something is at `point` (m, map) at `utime` (us).
+  /// Reports a hit at `point` (m, map) at `utime` (us).
   void see(const Eigen::Vector3d& point, std::int64_t utime);
   /// Whether the point's place has been occupied for long enough.
   [[nodiscard]] bool stays(const Eigen::Vector3d& point) const;
-  /// Whether something that is not known to stay was up to a metre above the point, or beside that, when the point was
-  /// seen: a wheel, a foot and the lower half of a bumper are low.
+  /// Whether something not known to be static was within a metre above the point, or beside that, when the point was
+  /// seen: wheels, feet and the lower halves of bumpers are low.
   [[nodiscard]] bool passing_above(const Eigen::Vector3d& point, std::int64_t utime) const;
 
-  /// Forgets places where nothing was seen after `utime`.
+  /// Drops places without a hit after `utime`, us.
   void forget_before(std::int64_t utime);
   void clear();
   [[nodiscard]] std::size_t size() const { return places_.size(); }

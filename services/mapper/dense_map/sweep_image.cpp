@@ -6,11 +6,11 @@
 namespace curbstone::mapper::dense_map {
 namespace {
 
-constexpr float kBeside = 0.08F;   // m: how far from a beam, up or down, a place may be that it tells of
-constexpr float kOutside = 0.01F;  // m on the other side, which is noise
-constexpr float kNearest = 1.0F;   // m: nearer there is the vehicle
+constexpr float kBeside = 0.08F;   // m: largest vertical distance of a place from a beam that can pass through it
+constexpr float kOutside = 0.01F;  // m: tolerance on the other side, for noise
+constexpr float kNearest = 1.0F;   // m: closer returns are of the vehicle itself
 
-/// A monotone stand-in for the angle, 0 .. 4, from +x towards +y: half as dear as std::atan2, and even enough.
+/// A monotone substitute for the angle, 0 .. 4, from +x towards +y: half the cost of std::atan2, and even enough.
 float quadrant_angle(float x, float y) {
   const float sum = std::abs(x) + std::abs(y);
   if (!(sum > 0)) return 0;
@@ -72,7 +72,7 @@ Sighting SweepImage::look(const Eigen::Vector3f& place, const Margins& margins) 
   for (auto row = next == rows_.begin() ? next : next - 1; row != rows_.end() && row <= next; ++row) {
     const Beam* const beams = beams_.data() + row->ring * kAzimuths;
     const Beam& own = beams[azimuth];
-    const float off = (slope - own.slope) * range;  // m, of the place above the beam
+    const float off = (slope - own.slope) * range;  // m, height of the place above the beam
     if (own.range == 0 || std::abs(off) > kBeside) continue;
     bool through = off * inside > -kOutside;
     for (const int beside : {azimuth + kAzimuths - 1, azimuth, azimuth + 1}) {

@@ -9,46 +9,47 @@
 
 namespace curbstone::mapper::dense_map {
 
-/// What a scan says about a place.
+/// What a scan shows about a place.
 enum class Sighting {
-  kNothing,  ///< no beam went there, or something nearer hides it
-  kThere,    ///< a beam ended about there
-  kThrough,  ///< beams went through it and ended well beyond
+  kNothing,  ///< no beam went there, or something nearer occludes it
+  kThere,    ///< a beam ended near it
+  kThrough,  ///< beams passed through it and ended well beyond
 };
 
-/// The beams of one scan by ring and azimuth: how far each went. Knows that the lidar moved meanwhile, so that
-/// what is near is looked at from where the beam was fired. Pure.
+/// Range image of one scan: range by ring and azimuth. It accounts for the motion of the lidar during the scan, so that
+/// near objects are seen from where the beam was fired. Pure.
 class SweepImage {
  public:
-  /// `points` as they are in base_link at the scan's end; `motion`: of base_link during it.
+  /// `points`: in base_link at the scan's end; `motion`: of base_link during the scan.
   SweepImage(const std::vector<scan::LidarPoint>& points, const Pose& T_base_lidar, const scan::Twist& motion);
 
-  /// How near in range a beam must end to have met the place, and how far beyond it to have gone through; m.
+  /// Tolerances in range, m: a beam that ends within `there` met the place, one that ends beyond `through` passed it.
   struct Margins {
     float there;
     float through;
   };
-  /// A place in the lidar's axes at the scan's end. Through it went only what passed below a place lower than the
-  /// lidar (above a higher one): what passes on its other side may have missed the edge or the top of a thing. And
-  /// beside such a beam none may have ended sooner: a beam that grazes a wall does.
+  /// Classifies a place, given in the lidar's axes at the scan's end. A beam counts as passing through a place lower
+  /// than the lidar only if it passed below it (above, for a place higher than the lidar): on the other side it may
+  /// have missed the edge or the top of an object. Neighbouring beams must not have ended sooner: that happens where a
+  /// beam grazes a wall.
   [[nodiscard]] Sighting look(const Eigen::Vector3f& place, const Margins& margins) const;
 
  private:
   static constexpr int kAzimuths = 600;
-  /// The shortest beam of half a degree of a ring.
+  /// The shortest beam within half a degree of azimuth, on one ring.
   struct Beam {
     float range = 0;  // m, horizontally; 0: none
     float slope = 0;  // up, per m
   };
   [[nodiscard]] static int azimuth_of(float x, float y);
-  /// A ring, and how it is inclined on average.
+  /// A ring and its mean slope.
   struct Row {
     float slope;
     std::size_t ring;
   };
 
   std::vector<Beam> beams_;   // ring by ring
-  std::vector<Row> rows_;     // from the lowest
+  std::vector<Row> rows_;     // in order of slope, the lowest first
   std::vector<float> ages_;   // s before the end, by azimuth
   Eigen::Vector3f velocity_;  // m/s, of the lidar, in its axes
 };

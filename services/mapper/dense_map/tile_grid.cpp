@@ -12,17 +12,17 @@ namespace {
 constexpr int kStepsPerMetre = 500;
 static_assert(kStepsPerMetre * kTileSize == kStepsPerTile);
 
-/// The tile that a column is in, by the column's number along an axis.
+/// Index of the tile that holds a column, by the column's index along an axis.
 int tile_of_column(int column) {
   return (column >= 0 ? column : column - (DenseTile::kColumns - 1)) / DenseTile::kColumns;
 }
 
-/// How many tiles on a place is that is less than a tile beyond a tile's border, in kPositionStep from its corner.
+/// Offset in tiles of a place that is less than a tile beyond the border, in kPositionStep from the tile's corner.
 int tiles_on(int along) {
   return along < 0 ? -1 : (along >= kStepsPerTile ? 1 : 0);
 }
 
-/// From a voxel to those about it: across its sides first, where a surface goes on or its noise is.
+/// Offsets of the 26 neighbours of a voxel, face neighbours first: there a surface continues, and so does its noise.
 const std::array<Eigen::Vector3i, 26> kVoxelsAbout = [] {
   std::array<Eigen::Vector3i, 26> steps;
   std::size_t count = 0;

@@ -15,58 +15,60 @@
 
 namespace curbstone::mapper::dense_map {
 
-/// Where a tile's points are counted from, m in map.
+/// Origin of the points of a tile, m in map.
 [[nodiscard]] inline Eigen::Vector3d corner_of(TileKey key, const DenseTile& tile) {
   return {key.x * kTileSize, key.y * kTileSize, static_cast<double>(tile.z_origin())};
 }
 
-/// m, in the plane, of a tile's middle from a place.
+/// Horizontal distance of a tile's centre from a place, m.
 [[nodiscard]] inline double distance_of(TileKey key, const Eigen::Vector3d& place) {
   return std::hypot((key.x + 0.5) * kTileSize - place.x(), (key.y + 0.5) * kTileSize - place.y());
 }
 
-/// The tiles of the dense map, and what lies across their borders. Those far from the vehicle sleep, and the records of
-/// those that have slept for longest are away, in a file: see put_away(). Whoever asks for one to change it wakes it. A
-/// tile that the file does not give back cannot be changed; sleep_beyond() lets it be tried again. One thread.
+/// The tiles of the dense map, and queries across their borders. Tiles far from the vehicle sleep, and the records of
+/// those that have slept for longest are spilled to a file: see put_away(). Access for a change wakes a tile. A tile
+/// that the file does not give back cannot be changed; after sleep_beyond() it is tried again. One thread.
 class TileGrid {
  public:
-  /// `voxel_steps`: as of DenseTile; `far`: where records are put away; `most_here`: tiles that sleep with theirs.
+  /// `voxel_steps`: as for DenseTile; `far`: file for spilled records; `most_here`: sleeping tiles whose records stay
+  /// in memory.
   TileGrid(int voxel_steps, std::shared_ptr<SpillFile> far, std::size_t most_here)
       : voxel_steps_(voxel_steps), far_(std::move(far)), most_here_(most_here) {}
 
-  /// As it is; nullptr if there is none.
+  /// The tile in its current state; nullptr if there is none.
   [[nodiscard]] const DenseTile* find(TileKey key) const;
-  /// Of all tiles, in order.
+  /// Keys of all tiles, in order.
   [[nodiscard]] std::vector<TileKey> keys() const;
 
-  /// Awake; nullptr if there is none, or if the file does not give it back.
+  /// Wakes a tile; nullptr if there is none, or if the file does not give it back.
   [[nodiscard]] DenseTile* wake(TileKey key);
-  /// Made if there is none: with this z_origin. nullptr if the file does not give it back.
+  /// Wakes a tile, or creates it with this z_origin. nullptr if the file does not give it back.
   [[nodiscard]] DenseTile* wake_or_make(TileKey key, std::int32_t z_origin);
   void erase(TileKey key);
-  /// Nothing if there is none.
+  /// Does nothing if there is no such tile.
   void sleep(TileKey key);
-  /// Puts those to sleep whose middle is `distance` m from a place (map) and more. They, the nearest first.
+  /// Puts tiles to sleep whose centre is `distance` m or more from a place (map). Returns them, the nearest first.
   std::vector<TileKey> sleep_beyond(const Eigen::Vector3d& place, double distance);
-  /// visit(tile), of every tile, asleep or not.
+  /// Calls visit(tile) for every tile, asleep or not.
   template <class Visit>
   void for_each(Visit visit) const {
     for (const auto& [key, tile] : tiles_) visit(tile);
   }
-  /// DenseTile::cut_after(), of every tile. Those that the file does not give back are no more.
+  /// Calls DenseTile::cut_after() on every tile. Tiles that the file does not give back are deleted.
   void cut_after(std::int64_t utime);
 
-  /// Puts records away of tiles that have slept for longest, which saves most of their memory: one in `share` of those
-  /// that sleep with their records, but never of the newest ones, so what comes and goes at the rim costs nothing.
+  /// Spills records of the tiles that have slept for longest, which frees most of their memory: one in `share` of the
+  /// sleeping tiles with records in memory. The newest ones are kept, so that tiles that come and go at the rim cost
+  /// nothing.
   void put_away(std::size_t share);
 
-  /// The lowest height known in the four columns about a point (m, map); +infinity where nothing is.
+  /// The lowest known height in the four columns around a point (m, map); +infinity if there is none.
   [[nodiscard]] double lowest_about(const Eigen::Vector3d& point);
-  /// Whether one of the 26 voxels about a point of a tile was occupied before this visit.
+  /// Whether one of the 26 voxels around a point of a tile was occupied before this visit.
   [[nodiscard]] bool known_beside(TileKey key, const DenseTile& tile, const TilePoint& point);
 
  private:
-  /// Tiles looked up lately, by the low bits of their keys: points come tile by tile.
+  /// Cache of recent look-ups, by the low bits of the tiles' keys: points come tile by tile.
   struct Recent {
     TileKey key;
     DenseTile* tile = nullptr;
@@ -79,7 +81,8 @@ class TileGrid {
   std::shared_ptr<SpillFile> far_;
   std::size_t most_here_;
   Tiles tiles_;
-  std::deque<TileKey> here_;  // that sleep with their records, the longest first; some have woken or are gone since
+  std::deque<TileKey>
+      here_;  // sleeping tiles with records in memory, the longest asleep first; may list tiles that are awake or gone
   std::array<Recent, std::size_t{kRecentSide} * kRecentSide> recent_;
 };
 

@@ -18,7 +18,7 @@ void TileMover::move(std::size_t most, const std::function<void(const MovedPoint
   for (std::size_t moved = 0; moved < most && !left_.empty(); left_.pop_back()) moved += move_tile(left_.back(), put);
 }
 
-/// What a node's correction makes of what was seen from it.
+/// The correction of the run's keyframe.
 Pose TileMover::correction_of(const DenseTile::Run& run) const {
   const bool moves = run.anchor >= 0 && static_cast<std::size_t>(run.anchor) < corrections_.size();
   return moves ? corrections_[static_cast<std::size_t>(run.anchor)] : Pose::Identity();
@@ -33,7 +33,7 @@ std::size_t TileMover::move_tile(TileKey key, const std::function<void(const Mov
   }
   const std::vector<bool> there = content->standing();
   const Eigen::Vector3d corner = corner_of(key, tile);
-  const Eigen::Vector3d half(0.5, 0.5, 0.5);  // a point stands for its step's middle
+  const Eigen::Vector3d half(0.5, 0.5, 0.5);  // a point's coordinates mark the lower corner of its step
   for (std::size_t r = 0; r < content->runs.size(); ++r) {
     const DenseTile::Run& run = content->runs[r];
     const Pose T_new_old = correction_of(run);

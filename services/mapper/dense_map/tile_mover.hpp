@@ -11,26 +11,26 @@
 
 namespace curbstone::mapper::dense_map {
 
-/// A point that was settled once, at its new place.
+/// A settled point at its corrected place.
 struct MovedPoint {
   Eigen::Vector3d position;    ///< m in map
-  std::int32_t z_origin = 0;   ///< of the tile that it comes from
-  std::uint8_t intensity = 0;  ///< as of TilePoint
+  std::int32_t z_origin = 0;   ///< of its previous tile
+  std::uint8_t intensity = 0;  ///< as in TilePoint
   std::int64_t utime = 0;      ///< us, of its run,
-  std::int32_t anchor = 0;     ///< and its node
+  std::int32_t anchor = 0;     ///< and its keyframe
 };
 
-/// Takes the points of a map to where the corrections of its nodes move them, tile by tile, those nearest to the
-/// vehicle first. The map of a long drive takes seconds. So it is moved bit by bit, and no pose waits for it. Of tiles
-/// whose records are away one at a time is in memory. One thread.
+/// Moves the points of a map by the corrections of their keyframes, tile by tile, tiles nearest to the vehicle first.
+/// The map of a long drive takes seconds to move, so it is moved in parts, and no pose waits for it. Only one spilled
+/// tile at a time is read into memory. One thread.
 class TileMover {
  public:
-  TileMover() = default;  ///< nothing is left
+  TileMover() = default;  ///< nothing to move
   /// `before`: the map's tiles; `corrections`: T_new_old by number of the node; `vehicle`: m in map.
   TileMover(TileGrid before, std::vector<Pose> corrections, const Eigen::Vector3d& vehicle);
 
   [[nodiscard]] bool is_done() const { return left_.empty(); }
-  /// Whole tiles, until `most` points have gone to `put` or none is left.
+  /// Moves whole tiles, until `most` points have gone to `put` or none is left.
   void move(std::size_t most, const std::function<void(const MovedPoint&)>& put);
 
  private:

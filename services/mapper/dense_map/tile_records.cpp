@@ -9,7 +9,7 @@ namespace {
 
 using Run = TileRecords::Run;
 
-/// Every field of points and runs, in the order in which they are packed.
+/// Visits every field of points and runs, in the order in which they are packed.
 template <class Records, class Visit>
 void visit_fields(Records& records, const Visit& visit) {
   visit(records.records, &TilePoint::x);

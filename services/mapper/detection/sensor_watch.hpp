@@ -17,21 +17,21 @@
 
 namespace curbstone::mapper::detection {
 
-/// What the revolutions say of the sensors that made them. What is wrong is taken out of a revolution before anything
-/// is made of it; where nothing is, each keeps every point.
+/// Checks the sensors by the revolutions. Points known to be wrong are removed from a revolution before any other use;
+/// without a fault every point is kept.
 class SensorWatch {
  public:
   explicit SensorWatch(const VehicleConfig& vehicle) : mounting_(vehicle), ground_(vehicle.T_base_lidar()) {}
 
-  /// The next revolution, in lidar.
+  /// Takes the next revolution, in lidar, and removes wrong points.
   void clean(scan::Scan& scan);
-  /// It fitted the map.
+  /// Reports that the revolution fitted the map.
   void add(const mounting::FittedScan& scan);
-  /// It did not, or the map was rearranged.
+  /// Reports that the revolution did not fit, or that the map was rearranged.
   void interrupt();
-  /// Where registration has the next revolution, believed or not, and odometry.
+  /// Takes the poses of the next revolution by registration, accepted or not, and by odometry.
   void compare(std::int64_t utime, const Pose& T_map_base_by_scan, const Pose& T_odom_base);
-  /// What is compared from now on is in another map.
+  /// Reports that poses from now on are in another map.
   void begin_map() { lag_.interrupt(); }
 
   void add_faults(std::vector<std::string>& faults) const;
@@ -47,7 +47,7 @@ class SensorWatch {
   returns::BlindSectors sectors_;
   returns::GroundInSight ground_;
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();  // m, map: of the last revolution that fitted,
-  Eigen::Vector3d looked_ = Eigen::Vector3d::Zero();    // and when the lasers were last looked at on the move
+  Eigen::Vector3d looked_ = Eigen::Vector3d::Zero();    // and of the last check of the lasers on the move
 };
 
 }  // namespace curbstone::mapper::detection

@@ -11,35 +11,35 @@
 
 namespace curbstone::mapper::intensity {
 
-/// Learns from the scans what each ring makes of the road, and with it the table that puts all rings on one scale. Road
-/// is where the vehicle drives or has driven: low returns in a strip as wide as it is, ahead and behind. A table is
-/// made after 10 scans, anew after each doubling, and stands after 1280, which take some 250 m: what is mapped later is
-/// on the same scale. A function of the sequence of calls alone. Pure; one thread.
+/// Learns each ring's intensities on the road, and from them the table that puts all rings on one scale. Road is where
+/// the vehicle drives or has driven: low returns in a strip of its width, ahead and behind. A table is made after 10
+/// scans and again after each doubling. It is final after 1280 scans, some 250 m, so that everything mapped later is on
+/// one scale. A function of the sequence of calls alone. Pure; one thread.
 ///
 /// Counters: intensity.tables, intensity.dead_rings, intensity.saturated_rings (of each table).
 class RingScale {
  public:
   RingScale() : table_(std::make_shared<const RingTable>()) {}
 
-  /// Goes on where another left off: what basis() gave.
+  /// Continues from the basis() of an earlier instance.
   void restore(RingHistograms basis);
-  /// A scan that fits the map; `points` de-skewed, in base_link. Taken only where the vehicle has moved on, but for the
-  /// first.
+  /// Takes a scan that fits the map; `points` de-skewed, in base_link. After the first, a scan is used only if the
+  /// vehicle has moved on.
   void learn(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base);
 
-  /// Never null; what is shared does not change.
+  /// The current table. Never null; a table that has been handed out does not change.
   [[nodiscard]] const std::shared_ptr<const RingTable>& table() const { return table_; }
-  /// What the table was made of.
+  /// The histograms that the table was made from.
   [[nodiscard]] const RingHistograms& basis() const { return basis_; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
   void make_table();
 
-  RingHistograms learned_;  // until now
+  RingHistograms learned_;  // histograms so far
   RingHistograms basis_;
   std::shared_ptr<const RingTable> table_;
-  Eigen::Vector3d position_ = Eigen::Vector3d::Zero();  // of base_link in map, when the last scan was taken
+  Eigen::Vector3d position_ = Eigen::Vector3d::Zero();  // of base_link in map, at the last scan used
   Counters counters_;
 };
 

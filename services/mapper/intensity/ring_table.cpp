@@ -9,9 +9,9 @@ namespace curbstone::mapper::intensity {
 namespace {
 
 constexpr std::uint64_t kLeastReturns = 200;  // with an intensity
-constexpr double kDeadZeros = 0.42;           // share of 0: sound lasers were measured at up to 0.4
+constexpr double kDeadZeros = 0.42;           // share of 0: lasers in order were measured at up to 0.4
 constexpr double kSaturatedAt = 250;          // the median
-constexpr double kLeastSpread = 0.10;         // of the median, between quartiles: else noise of one step would count
+constexpr double kLeastSpread = 0.10;         // of the median, between quartiles: bounds the gain on noise
 constexpr double kLeastStep = 1.5;            // of 255, likewise
 
 /// The intensity below which a share of the returns with an intensity lies. A value stands for the interval between the

@@ -8,23 +8,23 @@
 
 namespace curbstone::mapper::intensity {
 
-/// What a ring can tell.
+/// State of a ring.
 enum class RingState : std::uint8_t {
-  kUnknown,  ///< too little road seen: rings that look above the horizon stay so
+  kUnknown,  ///< too little road seen; rings above the horizon stay in this state
   kLearned,
   kDead,       ///< hardly any return has an intensity
-  kSaturated,  ///< the road is as bright as can be
+  kSaturated,  ///< the road gives the highest intensity
 };
 
-/// Intensities of all rings on one scale: for each ring 256 entries. The median of a ring's returns from the road goes
-/// to 64 of 255, the distance of their quartiles to 16, linearly, within 1..255. 0 is no intensity: that of a return
-/// that had none, and of all returns of a ring that is not learned. Immutable.
+/// Puts the intensities of all rings on one scale: for each ring 256 entries. The median of a ring's returns from the
+/// road maps to 64 of 255, the distance between their quartiles to 16, linearly, within 1..255. 0 means no intensity:
+/// the return had none, or its ring is not learned. Immutable.
 class RingTable {
  public:
   static constexpr double kMedian = 64;
-  static constexpr double kQuartiles = 16;  ///< between them
+  static constexpr double kQuartiles = 16;  ///< distance between them
 
-  /// Nothing is learned.
+  /// A table without learned rings.
   RingTable() = default;
   explicit RingTable(const RingHistograms& histograms);
 
@@ -34,7 +34,7 @@ class RingTable {
   [[nodiscard]] RingState state(std::uint8_t ring) const {
     return ring < rings_.size() ? rings_[ring].state : RingState::kUnknown;
   }
-  [[nodiscard]] int count(RingState state) const;  ///< rings that have been seen
+  [[nodiscard]] int count(RingState state) const;  ///< number of rings in this state
 
  private:
   struct Ring {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::int64_t kRetry = 60'000'000;         // us
 constexpr std::int64_t kRetryWithRoom = 2'000'000;  // us, after a full disk
-constexpr std::int64_t kSignOfLife = 1'000'000;     // us between two batches, at most
+constexpr std::int64_t kSignOfLife = 1'000'000;     // us: longest interval between two batches
 constexpr std::size_t kWorthwhile = 1'000'000;      // bytes
 
 }  // namespace
@@ -88,7 +88,7 @@ void DriveJournal::begin(std::string& items, const dense_map::DenseMap& map, con
   append_head(items, config_hash_, epoch_, atlas.num_known());
 }
 
-/// Nodes first: tiles and poses speak of them. The poses last: what led to them is in the file then.
+/// Nodes first, for tiles and poses refer to them. Poses last: what they depend on is then in the file.
 std::string DriveJournal::new_items(const dense_map::DenseMap& map, const pose_graph::Atlas& atlas) {
   std::string items;
   if (std::exchange(new_rings_, false)) append_rings(items, rings_);
@@ -105,7 +105,7 @@ std::string DriveJournal::new_items(const dense_map::DenseMap& map, const pose_g
     Written& written = tiles_[key];
     if (tile->num_records() <= written.records) continue;
     const auto content = tile->read();
-    if (!content) continue;  // the disk does not give it back
+    if (!content) continue;  // the file of far tiles does not give it back
     const std::size_t before = items.size();
     append_tile(items, key, tile->z_origin(), *content, written.records, written.runs);
     written = {content->records.size(), content->runs.size(), written.bytes + items.size() - before};

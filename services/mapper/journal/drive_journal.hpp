@@ -16,32 +16,35 @@
 
 namespace curbstone::mapper::journal {
 
-/// Keeps what a mapper would need that goes on with this drive. Each call copies some of what the map has and the file
-/// has not, at most kBatchBytes and nothing while the disk is busy; what waits, waits in the map itself. A journal
-/// that cannot be written is begun anew after a minute, or when the disk has room again. One thread calls.
+/// Records what another mapper needs to continue this drive. Each call copies a part of what the map has and the file
+/// lacks: at most kBatchBytes, and nothing while the disk is busy. What has not been copied stays in the map itself. A
+/// journal that cannot be written is restarted after a minute, or when the disk has room again. Calls come from one
+/// thread.
 class DriveJournal {
  public:
-  /// `config_hash`: who has another is not to go on with it. Throws JournalError if another process keeps it.
+  /// `config_hash`: a mapper with another hash must not continue the drive. Throws JournalError if another process
+  /// holds the journal.
   DriveJournal(const std::string& path, std::size_t max_bytes, std::string config_hash)
       : lock_(path), writer_(path, max_bytes), config_hash_(std::move(config_hash)) {}
 
-  /// A new epoch: every tile may be another. `drive`: until now. The journal of the epoch before stays until this one's
-  /// tells as much.
+  /// Begins a new epoch, in which every tile may differ. `drive`: the poses so far. The journal of the previous epoch
+  /// stays until the new one has as much.
   void start_epoch(std::int32_t epoch, std::vector<RecordedPose> drive);
-  /// Its writing failed a minute ago, or for want of room, which there is again; or half of the file is of tiles that
-  /// are gone: it is begun anew by start_epoch(). `now`: us.
+  /// Whether start_epoch() should restart the journal: writing failed a minute ago; or it failed for lack of space,
+  /// which there is again; or half of the file belongs to evicted tiles. `now`: us.
   [[nodiscard]] bool wants_anew(std::int64_t now) const;
-  /// Where the vehicle is, after a scan that the map has taken. See PoseThinning.
+  /// Adds the pose of the vehicle, after the map has taken the scan. See PoseThinning.
   void add(const RecordedPose& pose);
-  /// The scale of what the tiles take from now on.
+  /// Sets the intensity scale of what the tiles take from now on.
   void set_rings(const intensity::RingHistograms& rings);
-  /// What the map has more than the file. `changed`: tiles that may have grown; `evicted`: that are gone; `now`: us.
+  /// Writes what the map has and the file lacks. `changed`: tiles that may have grown; `evicted`: tiles that are gone;
+  /// `now`: us.
   void write(const dense_map::DenseMap& map, const pose_graph::Atlas& atlas, const std::vector<TileKey>& changed,
              const std::vector<TileKey>& evicted, std::int64_t now);
-  /// The drive is over, and nobody goes on with it. Waits for the disk.
+  /// Deletes the journal: the drive is over, and nobody continues it. Waits for the disk.
   void remove() { writer_.remove(); }
 
-  /// Empty when all is well.
+  /// Empty if there is no fault.
   [[nodiscard]] const std::string& fault() const { return fault_; }
 
  private:
@@ -60,17 +63,17 @@ class DriveJournal {
   JournalWriter writer_;
   std::string config_hash_;
   std::int32_t epoch_ = 0;
-  bool begins_ = false;        // with the next batch
-  std::int64_t failed_ = 0;    // us; 0: it did not
+  bool begins_ = false;        // a new file, with the next batch
+  std::int64_t failed_ = 0;    // us; 0: no failure
   std::int64_t appended_ = 0;  // us
   std::string fault_;
-  // What the file does not have yet.
+  // What the file lacks.
   std::vector<RecordedPose> poses_;
   std::set<TileKey> changed_;
   intensity::RingHistograms rings_;
   bool new_rings_ = false;
   std::vector<TileKey> evicted_;
-  // What it has.
+  // What the file has.
   PoseThinning thinning_;
   int nodes_ = 0;
   std::size_t edges_ = 0;

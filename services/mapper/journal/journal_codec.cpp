@@ -39,7 +39,7 @@ constexpr std::int32_t kMaxKey = 17'000;                   // of a tile: 51 km
 constexpr std::int32_t kMaxOrigin = 32'700;                // m
 constexpr std::int64_t kMaxUtime = std::int64_t{1} << 60;  // us
 
-/// Takes the bytes of a batch from left to right.
+/// Reads the bytes of a batch from left to right.
 class ItemBytes {
  public:
   explicit ItemBytes(std::string_view bytes) : rest_(bytes) {}
@@ -76,7 +76,7 @@ class ItemBytes {
     require(is_there(x) && is_there(y), "holds a tile that no vehicle comes to");
     return {x, y};
   }
-  /// How many of `size` bytes each follow.
+  /// A count of items that follow, of `size` bytes each.
   [[nodiscard]] std::size_t take_count(std::size_t size) {
     const auto count = take<std::uint32_t>();
     require(count <= rest_.size() / size, "claims more than it holds");
@@ -172,7 +172,7 @@ intensity::RingHistograms take_rings(ItemBytes& bytes) {
   return rings;
 }
 
-/// What takes a point out names one that is there.
+/// Checks that each removal refers to an existing point.
 void check_removals(const std::vector<TilePoint>& records) {
   if (std::none_of(records.begin(), records.end(), is_removal)) return;
   std::unordered_set<std::uint64_t> there;

@@ -19,8 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMuch = 4'000'000;           // bytes that are read before some are put away
-constexpr std::size_t kMostRecords = 400'000;      // that stay: 3 MB
+constexpr std::size_t kMuch = 4'000'000;           // bytes that are read between two spills
+constexpr std::size_t kMostRecords = 400'000;      // that stay in memory: 3 MB
 constexpr std::uint32_t kBatchMagic = 0x314c4a43;  // "CJL1"
 
 struct BatchHead {
@@ -34,11 +34,11 @@ std::uint32_t checksum_of(std::uint64_t size, std::string_view items) {
   return static_cast<std::uint32_t>(crc32_z(seed, reinterpret_cast<const Bytef*>(items.data()), items.size()));
 }
 
-/// Puts away what a drive has read of itself.
+/// Spills parts of a drive while it is read.
 class PuttingAway {
  public:
   explicit PuttingAway(SpillFile& far) : far_(far) {}
-  /// All but so many records, of those tiles that have grown last: the vehicle has left the others.
+  /// Spills all but so many records, keeping the tiles that grew last: the vehicle has left the others.
   void put_away(RecordedDrive& drive, std::size_t most_records) {
     for (; nodes_ < drive.nodes.size(); ++nodes_) drive.nodes[nodes_].kept.points.put_away(far_);
     std::vector<std::pair<std::size_t, RecordedTile*>> here;
@@ -62,7 +62,7 @@ class PuttingAway {
   std::size_t nodes_ = 0;
 };
 
-/// The file may end in a batch that was not written any more.
+/// The last batch of the file may be incomplete.
 std::optional<RecordedDrive> read_batches(std::ifstream& file, std::uintmax_t bytes, SpillFile* far) {
   RecordedDrive drive;
   std::optional<PuttingAway> putting_away;
@@ -121,7 +121,7 @@ std::optional<RecordedDrive> read_journal(const std::string& path, std::size_t m
     if (drive && drive->config_hash != config_hash) throw std::runtime_error("is of a mapper with other settings");
     return drive;
   } catch (const std::exception& problem) {
-    // Then it is not the journal that is damaged.
+    // Then the spill file failed, and the journal is not damaged.
     if (far != nullptr && far->failed_reads() != failed_before) return read_journal(path, max_bytes, config_hash);
     throw JournalError(fmt::format("{}: {}", path, problem.what()));
   }

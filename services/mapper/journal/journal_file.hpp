@@ -11,18 +11,19 @@
 namespace curbstone::mapper::journal {
 
 /// A journal is one file: batches of items (journal_codec.hpp), each with its size and checksum, appended as the drive
-/// goes on. Who dies while he writes leaves a batch that is not whole at the end: it is left out.
+/// goes on. A writer that dies may leave an incomplete batch at the end: it is ignored.
 
-/// A batch as it stands in the file.
+/// A batch as it is stored in the file.
 [[nodiscard]] std::string make_batch(std::string_view items);
 
-/// How long ago the journal was written to, s, by the host's clock: below zero where that was set back. Nothing if
-/// there is none.
+/// Time since the journal was last written, s, by the host's clock: negative if the clock was set back. Nothing if
+/// there is no journal.
 [[nodiscard]] std::optional<double> age_of_journal(const std::string& path);
 
-/// The drive that somebody with the same `config_hash` was killed in. Nothing if it holds nothing yet. Throws
-/// JournalError: of a mapper with other settings, larger than `max_bytes`, damaged, or cannot be read. `far`: where
-/// most of it is put away as it is read, so that the whole of it is never in memory; null: it is.
+/// Reads the drive of a mapper with the same `config_hash` that was killed. Nothing if the journal has no drive yet.
+/// Throws JournalError if the journal is of a mapper with other settings, is larger than `max_bytes`, is damaged, or
+/// cannot be read. `far`: file to which most of the drive is spilled while it is read, so that it is never in memory as
+/// a whole; null: all of it is in memory.
 [[nodiscard]] std::optional<RecordedDrive> read_journal(const std::string& path, std::size_t max_bytes,
                                                         const std::string& config_hash, SpillFile* far = nullptr);
 

@@ -4,9 +4,9 @@
 
 namespace curbstone::mapper::journal {
 
-/// That no other process keeps this journal: a mapper that was started beside a living one must not go on with its
-/// drive. Held until the process ends, however it ends. Throws JournalError where another holds it; where there can be
-/// no lock there can be no journal either, which is a fault of its own.
+/// Exclusive lock of a journal: a mapper that is started beside a living one must not continue its drive. Held until
+/// the process ends, however it ends. Throws JournalError if another process holds it. Where no lock is possible no
+/// journal is possible either, which is a separate fault.
 class JournalLock {
  public:
   /// `path`: of the journal; the lock is a file beside it.

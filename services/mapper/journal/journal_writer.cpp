@@ -13,7 +13,7 @@ namespace curbstone::mapper::journal {
 namespace {
 
 constexpr std::int64_t kMostBusy = 60'000'000'000;  // ns
-constexpr std::size_t kSpare = 1'000'000;           // bytes: room for what comes next
+constexpr std::size_t kSpare = 1'000'000;           // bytes: room for further batches
 
 }  // namespace
 
@@ -76,11 +76,11 @@ void JournalWriter::append(std::string batch, bool is_whole) {
   });
 }
 
-/// In the other thread.
+/// Runs in the other thread.
 std::error_code JournalWriter::put(std::string_view batch, bool opens, bool takes_place) {
   errno = 0;
   if (opens) {
-    std::error_code ignored;  // fopen() will say it
+    std::error_code ignored;  // fopen() reports the error
     std::filesystem::create_directories(std::filesystem::path(path_).parent_path(), ignored);
     file_.reset(std::fopen(unfinished().c_str(), "wbe"));
   }
@@ -90,14 +90,14 @@ std::error_code JournalWriter::put(std::string_view batch, bool opens, bool take
   return is_written ? std::error_code() : std::error_code(errno != 0 ? errno : EIO, std::generic_category());
 }
 
-/// Likewise. Until the new file is whole, the one of this drive that it will replace is what a successor has. Its age
-/// says for how long nobody has written. What lies there of another drive stays as old as it is.
+/// Runs in the other thread. Until the new file is whole, a successor has the one of this drive that it will replace,
+/// and the file's age shows how long nothing has been written. A file of another drive keeps its age.
 void JournalWriter::keep_alive() const {
   std::error_code there_is_none;
   std::filesystem::last_write_time(path_, std::filesystem::file_time_type::clock::now(), there_is_none);
 }
 
-/// Likewise. A successor must not go on with half a drive.
+/// Runs in the other thread. A successor must not continue from half a drive.
 void JournalWriter::discard() {
   file_.reset();
   std::error_code ignored;

@@ -11,37 +11,37 @@
 
 namespace curbstone::mapper::journal {
 
-/// Writes a journal's file, each batch in a thread of its own: nobody waits for the disk. Nothing is forced to the disk
-/// either: a process that is killed loses nothing of what was written. A journal with a hole is none, so where a batch
-/// cannot be written the file goes, and that is a fault. One thread calls.
+/// Writes a journal's file, each batch in a thread of its own, so that no caller waits for the disk. Nothing is synced:
+/// a killed process loses nothing of what was written. A journal with a gap is useless, so if a batch cannot be written
+/// the file is deleted, and that is a fault. Calls come from one thread.
 class JournalWriter {
  public:
   JournalWriter(std::string path, std::size_t max_bytes) : path_(std::move(path)), max_bytes_(max_bytes) {}
-  /// Waits for what is under way; the file stays.
+  /// Waits for the current batch; the file stays.
   ~JournalWriter();
   JournalWriter(const JournalWriter&) = delete;
   JournalWriter& operator=(const JournalWriter&) = delete;
 
-  /// Whether the disk is being waited for, in the other thread. None of the calls below is allowed then.
+  /// Whether the other thread is writing. None of the calls below is allowed then.
   [[nodiscard]] bool busy();
-  /// Busy, and for more than a minute.
+  /// Busy for more than a minute.
   [[nodiscard]] bool is_stuck() const;
-  /// The next batch begins another file, beside the one there is.
+  /// Starts another file with the next batch, beside the current one.
   void begin();
-  /// `is_whole`: with this batch the file is of use to a successor, and takes the place of the one before.
+  /// `is_whole`: with this batch the new file is complete enough for a successor, and replaces the previous one.
   void append(std::string batch, bool is_whole);
-  /// The drive is over: there is no journal any more. Waits.
+  /// Deletes the journal: the drive is over. Waits.
   void remove();
 
-  /// Of the file.
+  /// Size of the file.
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
-  /// Nothing is written until the next begin(). Empty when all is well.
+  /// Empty if there is no fault. After a fault nothing is written until the next begin().
   [[nodiscard]] const std::string& fault() const { return fault_; }
-  /// Of the system, that the fault is of; none where the journal is full.
+  /// The system's error behind the fault; none if the journal is full.
   [[nodiscard]] std::error_code error() const { return error_; }
-  /// The fault is that the journal would be larger than allowed: the same map's will be again.
+  /// Whether the fault is that the journal would exceed its limit: a new one of the same map would as well.
   [[nodiscard]] bool is_full() const { return is_full_; }
-  /// The fault is that the disk was full, and now there is room for as much as the file had.
+  /// Whether the fault is that the disk was full, and there is now room for as much as the file had.
   [[nodiscard]] bool has_room_again() const;
 
  private:
@@ -55,11 +55,11 @@ class JournalWriter {
 
   std::string path_;
   std::size_t max_bytes_;
-  std::unique_ptr<std::FILE, Close> file_;  // the other thread's, while busy
-  std::future<std::error_code> under_way_;  // what went wrong
+  std::unique_ptr<std::FILE, Close> file_;  // owned by the other thread while busy
+  std::future<std::error_code> under_way_;  // result of the write
   std::int64_t began_ = 0;                  // ns, steady clock
   bool is_open_ = false;
-  bool was_in_place_ = false;  // a file of this writer
+  bool was_in_place_ = false;  // as a file of this writer
   bool is_in_place_ = false;
   std::size_t bytes_ = 0;
   std::string fault_;

@@ -6,15 +6,15 @@
 
 namespace curbstone::mapper::journal {
 
-/// Which poses of a drive are kept: all of them, but only one a second of a vehicle that has stood for a minute. A day
-/// at a loading ramp needs no memory. Pure.
+/// Selects the poses of a drive to keep: all of them, but only one a second once the vehicle has stood for a minute. So
+/// a day at a loading ramp needs hardly any memory. Pure.
 class PoseThinning {
  public:
   static constexpr std::int64_t kStood = 60'000'000;   ///< us
   static constexpr std::int64_t kSpacing = 1'000'000;  ///< us
   static constexpr double kPlace = 0.03;               ///< m
 
-  /// Of the next pose, at `position` (m in map): whether it is kept.
+  /// Whether the next pose, at `position` (m in map), is kept.
   [[nodiscard]] bool keeps(std::int64_t utime, const Eigen::Vector3d& position) {
     const bool stands = place_ && utime >= place_->kept && (position - place_->position).norm() < kPlace;
     if (!stands) {
@@ -29,7 +29,7 @@ class PoseThinning {
  private:
   struct Place {
     Eigen::Vector3d position;
-    std::int64_t since, kept;  // us: there, and the last pose that was
+    std::int64_t since, kept;  // us: start of the standstill, and the last pose kept
   };
   std::optional<Place> place_;
 };

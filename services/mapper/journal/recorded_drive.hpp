@@ -16,11 +16,11 @@
 
 namespace curbstone::mapper::journal {
 
-/// Where the vehicle was at the end of a scan.
+/// Pose of the vehicle at the end of a scan.
 struct RecordedPose {
   std::int64_t utime = 0;  ///< us
   std::int32_t revolution = 0;
-  std::int32_t node = 0;  ///< of the atlas, that it was at
+  std::int32_t node = 0;  ///< of the atlas, at the vehicle
   Pose T_map_base = Pose::Identity();
   Pose T_map_odom = Pose::Identity();
   bool with_odometry = false;       ///< T_map_odom is of this scan
@@ -33,27 +33,27 @@ struct RecordedNode {
   double driven = 0;  ///< m, as Atlas::driven()
 };
 
-/// A tile of the dense map as it stood.
+/// A recorded tile of the dense map.
 struct RecordedTile {
   std::int32_t z_origin = 0;  ///< m in map
   dense_map::TileRecords content;
-  dense_map::PackedRecords away = {};  ///< if not empty: `content` is, and these are it
-  std::size_t touched = 0;             ///< while it is read: in which batch it grew last
+  dense_map::PackedRecords away = {};  ///< if not empty, it holds the records, and `content` is empty
+  std::size_t touched = 0;             ///< while reading: number of the batch in which it last grew
 };
 
-/// What a mapper needs to go on with the drive of another that died.
+/// What a mapper needs to continue the drive of one that died.
 struct RecordedDrive {
-  std::string config_hash;  ///< of the mapper that made it
+  std::string config_hash;  ///< of the mapper that recorded it
   std::int32_t epoch = 0;
-  std::int32_t num_known = 0;  ///< nodes, the first, of an earlier drive's map
+  std::int32_t num_known = 0;  ///< number of leading nodes that are of an earlier drive's map
   std::vector<RecordedNode> nodes;
   std::vector<pose_graph::PoseEdge> edges;
   std::unordered_map<TileKey, RecordedTile, TileKeyHash> tiles;
   std::vector<RecordedPose> poses;  ///< in order; at least one
-  intensity::RingHistograms rings;  ///< of which the scale of the tiles' intensities was made
+  intensity::RingHistograms rings;  ///< from which the scale of the tiles' intensities was made
 };
 
-/// One line that names the file and what is wrong with it.
+/// One line that names the file and the fault.
 class JournalError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -11,16 +11,16 @@ namespace {
 
 constexpr float kCellLength = 1.0F;  // m
 constexpr float kCellWidth = 0.5F;   // m
-constexpr float kAhead = 12.0F;      // m, and as far behind
+constexpr float kAhead = 12.0F;      // m ahead, and as far behind
 constexpr float kAside = 2.0F;       // m to either side
 constexpr float kBin = 0.02F;        // m
 constexpr float kLowest = -1.5F;     // m
 constexpr std::size_t kLeastCells = 12;
 constexpr double kLeastInliers = 0.6;  // share of the cells
-constexpr double kWide = 0.15;         // m: at first what lies this far off the plane counts, a little,
-constexpr double kNarrow = 0.03;       // and at last this far
-constexpr std::array kSlopes = {-0.1, -0.05, 0.0, 0.05, 0.1};  // that the search begins from
-constexpr double kSpreadAlong = 2.0;   // m, root mean square of the cells' places: else the slope is not known
+constexpr double kWide = 0.15;         // m: points this far off the plane get a small weight in the first iterations,
+constexpr double kNarrow = 0.03;       // and in the last ones only points this near count
+constexpr std::array kSlopes = {-0.1, -0.05, 0.0, 0.05, 0.1};  // initial slopes of the search
+constexpr double kSpreadAlong = 2.0;   // m, RMS of the cells' positions: below it the slope is not observable
 constexpr double kSpreadAcross = 0.5;  // m
 
 struct Height {
@@ -35,7 +35,7 @@ struct Fit {
   double inliers = 0;
 };
 
-/// Of most of the heights, near a slope; a kerb beside the lane is not averaged in.
+/// Robust fit to most of the heights, starting from a slope; a kerb beside the lane does not bias it.
 std::optional<Fit> fit_from(const std::vector<Height>& heights, double along, double across) {
   Fit fit{{0, along, across}, Eigen::Matrix3d::Zero()};
   std::vector<double> offs;
@@ -67,7 +67,7 @@ double GroundBelow::Cell::median() const {
   int below = 0;
   std::size_t bin = 0;
   while (bin + 1 < heights.size() && below + heights[bin] <= count / 2) below += heights[bin++];
-  // Within the bin as if its values were spread evenly.
+  // Interpolated within the bin as if its values were spread evenly.
   const double share = heights[bin] > 0 ? (0.5 * count - below) / heights[bin] : 0.5;
   return static_cast<double>(kLowest) + static_cast<double>(kBin) * (static_cast<double>(bin) + share);
 }

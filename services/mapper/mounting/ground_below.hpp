@@ -10,27 +10,27 @@
 
 namespace curbstone::mapper::mounting {
 
-/// How the ground lies in base_link, where it should be z = 0: a plane z = height + pitch x + roll y.
+/// The ground plane in base_link, where it should be z = 0: z = height + along x + across y.
 struct GroundPlane {
   double height = 0;  ///< m, at the origin
-  double along = 0;   ///< rise for a metre forward
-  double across = 0;  ///< rise for a metre to the left
+  double along = 0;   ///< rise per metre forward
+  double across = 0;  ///< rise per metre to the left
 };
 
-/// Where the ground is about the vehicle, on the way driven: in each cell of the strip that it drives in, ahead and
-/// behind, the median height of what was seen there. Other vehicles, kerbs, crests and dips do not last; the mounting
-/// of the LiDAR does. Revolutions of a vehicle that stands, brakes or leans in a bend are for the caller to leave out.
+/// Estimates the ground plane around the vehicle: the median height in each cell of the strip that the vehicle drives
+/// in, ahead and behind. Other vehicles, kerbs, crests and dips pass; a mounting error of the LiDAR persists. The
+/// caller leaves out revolutions during which the vehicle stands, brakes or leans in a bend.
 ///
-/// Remembers some kLeast to 2 kLeast looks. A function of the looks. Pure; one thread.
+/// Keeps kLeast to about 2 kLeast revolutions. A function of the calls to look(). Pure; one thread.
 class GroundBelow {
  public:
-  static constexpr int kLeast = 60;  ///< looks before anything is said
+  static constexpr int kLeast = 60;  ///< revolutions before there is a result
 
   GroundBelow() : cells_(kColumns * kRows) {}
   /// `points`: a revolution, in base_link.
   void look(const std::vector<scan::LidarPoint>& points);
   [[nodiscard]] int looks() const { return looks_; }
-  /// Nothing before kLeast looks, or where too little ground was in sight.
+  /// None before kLeast revolutions, or if too little ground was visible.
   [[nodiscard]] std::optional<GroundPlane> plane() const;
 
  private:

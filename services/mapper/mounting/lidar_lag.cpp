@@ -13,12 +13,12 @@
 namespace curbstone::mapper::mounting {
 namespace {
 
-constexpr std::int64_t kLongestTurnStep = 300'000;  // us between revolutions whose turns are added up
-constexpr int kJudgeEach = 10;                      // revolutions
-constexpr int kLongestWait = 2400;                  // revolutions for an estimate: then anew
-constexpr double kAlikeTurns = 10;    // revolutions in a row of which one counts: their turns are largely the same
-constexpr std::ptrdiff_t kArm = 3;    // steps to either side of the best, by which the curve bends
-constexpr double kLagSpread = 0.015;  // s: half of what the middle half of the estimates span
+constexpr std::int64_t kLongestTurnStep = 300'000;  // us: largest interval between revolutions whose turns are added up
+constexpr int kJudgeEach = 10;                      // revolutions between attempts at an estimate
+constexpr int kLongestWait = 2400;    // revolutions without an estimate, after which the correlation starts anew
+constexpr double kAlikeTurns = 10;    // consecutive revolutions that count as one: their turns overlap
+constexpr std::ptrdiff_t kArm = 3;    // steps to either side of the best one, for the curvature
+constexpr double kLagSpread = 0.015;  // s: largest half-width of the middle half of the estimates
 
 double turn_of(const Pose& motion) {
   return std::atan2(motion.linear()(1, 0), motion.linear()(0, 0));
@@ -59,7 +59,7 @@ void LidarLag::add(std::int64_t utime, const Pose& T_map_base, const Pose& T_odo
   if (utime - turned_.front().utime < kKept) return;
   while (utime - turned_[1].utime >= kKept) turned_.pop_front();
 
-  const std::int64_t then = utime - kReach;  // odometry is known as long before as after it
+  const std::int64_t then = utime - kReach;  // odometry must be known equally long before and after
   const double by_scans = over(&Turned::by_scans, then);
   for (std::size_t i = 0; i < correlations_.size(); ++i)
     correlations_[i].add(over(&Turned::by_odometry, then - lag_at(i)), by_scans);
@@ -79,7 +79,7 @@ double LidarLag::over(double Turned::*by, std::int64_t utime) const {
   return at(utime) - at(utime - kOver);
 }
 
-/// The lag that leaves least unexplained, where that is much less than the others beside it do.
+/// The lag with the smallest unexplained part, if that is clearly smaller than at the lags beside it.
 std::optional<double> LidarLag::estimate() const {
   const auto less = [](const Correlation& a, const Correlation& b) { return a.unexplained() < b.unexplained(); };
   const auto best = std::min_element(correlations_.begin(), correlations_.end(), less);

@@ -12,48 +12,48 @@
 
 namespace curbstone::mapper::mounting {
 
-/// How late the LiDAR's stamps are against odometry's. In a bend that begins or ends registration shows the turn that
-/// odometry showed so much earlier: the turns of both, over kOver, are correlated at shifted times. An estimate is
-/// made as soon as what was driven has turned enough for one that is sure to kSure; the median of those that agree is
-/// said. Gyros that are off by a rate or a scale shift nothing. A vehicle that stands or drives straight on tells
-/// nothing.
+/// Estimates the delay of the LiDAR's stamps against odometry's. When a bend begins or ends, registration shows the
+/// same turn as odometry, shifted by the delay. The turns of both, over kOver, are correlated at shifted times. An
+/// estimate is made as soon as the vehicle has turned enough for a sigma of kSure; the result is the median of the
+/// estimates, if they agree. A rate or scale error of a gyro does not shift the result. A vehicle that stands or drives
+/// straight on gives no estimate.
 ///
-/// Remembers the last kMost estimates. A function of the calls. Pure; one thread. Counters: faults.lidar.late (times
-/// that its stamps were found wrong), lidar.lag_ms (level: once it is known).
+/// Keeps the last kMost estimates. A function of the calls. Pure; one thread. Counters: faults.lidar.late (times that
+/// the stamps were found wrong), lidar.lag_ms (level: once it is known).
 class LidarLag {
  public:
-  static constexpr std::int64_t kReach = 600'000;  ///< us, that are looked for to either side
-  static constexpr std::int64_t kStep = 20'000;    ///< us, between two that are
+  static constexpr std::int64_t kReach = 600'000;  ///< us: largest shift that is tested, either way
+  static constexpr std::int64_t kStep = 20'000;    ///< us, between tested shifts
   static constexpr std::int64_t kOver = 500'000;   ///< us
   static constexpr double kSure = 0.01;            ///< s, 1 sigma of an estimate
-  static constexpr std::size_t kLeast = 3;         ///< estimates before anything is said
+  static constexpr std::size_t kLeast = 3;         ///< estimates before there is a result
   static constexpr std::size_t kMost = 9;
-  static constexpr double kWrong = 0.04;    ///< s, from which it is a fault,
-  static constexpr double kSettled = 0.75;  ///< and of this share no more
+  static constexpr double kWrong = 0.04;    ///< s: a fault is raised from here on,
+  static constexpr double kSettled = 0.75;  ///< and cleared below this share of it
 
   LidarLag() : correlations_(2 * kReach / kStep + 1) {}
-  /// The next revolution: where registration has it, and where odometry at the time that it is stamped with.
+  /// Adds the next revolution: its pose by registration, and the pose by odometry at its stamp.
   void add(std::int64_t utime, const Pose& T_map_base, const Pose& T_odom_base);
-  /// What comes now has nothing to do with what came before.
+  /// Breaks the sequence: the next revolution is not compared with earlier ones.
   void interrupt() { turned_.clear(); }
 
-  /// s; below 0 the stamps are early. Nothing before kLeast estimates, or where they do not agree.
+  /// s; negative if the stamps are early. None before kLeast estimates, or if they do not agree.
   [[nodiscard]] std::optional<double> lag() const;
   [[nodiscard]] bool wrong() const { return wrong_; }
   void add_faults(std::vector<std::string>& faults) const;
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
-  /// rad about the vertical since a beginning.
+  /// rad about the vertical since the sequence began.
   struct Turned {
     std::int64_t utime = 0;
     double by_scans = 0, by_odometry = 0;
   };
-  /// Of the turns by scans with those by odometry at other times.
+  /// Correlation of the turns by registration with the turns by odometry at shifted times.
   struct Correlation {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
     void add(double by_odometry, double by_scans);
-    /// rad^2: what no scale and no rate makes of the one the other.
+    /// rad^2: the part of one that no scale and rate of the other explains.
     [[nodiscard]] double unexplained() const;
   };
   [[nodiscard]] double over(double Turned::*by, std::int64_t utime) const;
@@ -62,7 +62,7 @@ class LidarLag {
 
   std::deque<Turned> turned_;
   Pose T_map_base_ = Pose::Identity(), T_odom_base_ = Pose::Identity();  // of the last revolution
-  std::vector<Correlation> correlations_;                                // for each lag, since the last estimate
+  std::vector<Correlation> correlations_;                                // for each shift, since the last estimate
   std::deque<double> estimates_;                                         // s
   bool wrong_ = false;
   Counters counters_;

@@ -9,10 +9,10 @@
 namespace curbstone::mapper::mounting {
 namespace {
 
-constexpr double kLongestStep = 0.3;   // s between revolutions that tell how the vehicle moves
+constexpr double kLongestStep = 0.3;   // s: largest interval between revolutions from which the motion is computed
 constexpr double kLookEach = 0.5;      // m
-constexpr double kMostSideways = 0.5;  // m/s^2: in a bend a vehicle leans
-constexpr double kMirrored = -0.5;     // LiDAR's turns by odometry's
+constexpr double kMostSideways = 0.5;  // m/s^2: above it the vehicle leans in the bend
+constexpr double kMirrored = -0.5;     // LiDAR's turn divided by odometry's
 
 bool beyond(double value, double limit, bool was) {
   return std::abs(value) > (was ? LidarMounting::kSettled : 1.0) * limit;

@@ -14,17 +14,17 @@
 
 namespace curbstone::mapper::mounting {
 
-/// Whether the map's vertical is still that of odometry, which knows gravity. A registration that slides in pitch or
-/// roll, because too few lasers return, or a mount that gives way slowly fits every revolution to the map, and the map
-/// dives into the ground or climbs out of it.
+/// Checks that the map's vertical agrees with odometry's, which knows gravity. If registration slides in pitch or roll
+/// because too few lasers return, or if the mount gives way slowly, every revolution fits the map, but the map descends
+/// into the ground or climbs out of it.
 ///
-/// Pure; one thread. Counter: faults.apart.lean (times that it began).
+/// Pure; one thread. Counter: faults.apart.lean (times that the fault began).
 class MapLean {
  public:
-  static constexpr double kMost = 0.087;           ///< rad: 5 deg. Odometry is right to one, also when it brakes
+  static constexpr double kMost = 0.087;           ///< rad: 5 deg. Odometry is right to 1 deg, also under braking
   static constexpr std::int64_t kFor = 3'000'000;  ///< us, without a break
 
-  /// The next revolution, which fitted the map.
+  /// Adds the next revolution, which fitted the map.
   void add(std::int64_t utime, const Pose& T_map_base, const Pose& T_odom_base) {
     const double alike = T_map_base.linear().row(2).dot(T_odom_base.linear().row(2));  // of z, in base_link
     lean_ = std::acos(std::clamp(alike, -1.0, 1.0));
@@ -38,7 +38,7 @@ class MapLean {
       counters_.add("faults.apart.lean");
     }
   }
-  /// What comes now has nothing to do with what came before.
+  /// Breaks the sequence: the next revolution is not compared with earlier ones.
   void interrupt() {
     since_ = 0;
     leans_ = false;
@@ -54,7 +54,7 @@ class MapLean {
 
  private:
   double lean_ = 0.0;       // rad
-  std::int64_t since_ = 0;  // us, more than kMost; 0: it is not
+  std::int64_t since_ = 0;  // us: start of the lean beyond kMost; 0: none
   bool leans_ = false;
   Counters counters_;
 };

@@ -9,7 +9,7 @@
 namespace curbstone::mapper::mounting {
 namespace {
 
-constexpr double kSpread = 0.015;  // rad, or share: half of what the middle half of the stretches span
+constexpr double kSpread = 0.015;  // rad, or share: largest half-width of the middle half of the stretches
 constexpr double kTurnSpread = 0.2;
 
 double yaw_of(const Pose& motion) {
@@ -34,7 +34,7 @@ void TravelDirection::add(const Pose& T_map_base, const Pose& T_odom_base) {
   } else if (way >= kStretch) {
     const Eigen::Vector3d& a = odometry.translation();
     const Eigen::Vector3d& b = moved.translation();
-    // Between the two ways, not from x: a vehicle that reverses says the same.
+    // The angle between the two displacements, not from x: it is the same for a vehicle that reverses.
     const double aslant = std::atan2(a.x() * b.y() - a.y() * b.x(), a.head<2>().dot(b.head<2>()));
     keep(straights_, {aslant, a.head<2>().norm() / way - 1});
   } else {
@@ -46,7 +46,7 @@ void TravelDirection::add(const Pose& T_map_base, const Pose& T_odom_base) {
 std::optional<TravelDirection::Straight> TravelDirection::straight() const {
   std::vector<double> aslant, longer;
   for (const Straight& stretch : straights_) {
-    const double from_first = stretch.aslant - straights_.front().aslant;  // about half a turn it is +pi and -pi
+    const double from_first = stretch.aslant - straights_.front().aslant;  // half a turn: +pi and -pi
     aslant.push_back(straights_.front().aslant + std::remainder(from_first, 2 * std::numbers::pi));
     longer.push_back(stretch.longer);
   }

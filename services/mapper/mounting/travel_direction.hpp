@@ -8,32 +8,33 @@
 
 namespace curbstone::mapper::mounting {
 
-/// Compares the way driven by the LiDAR with that by odometry, stretch by stretch: straight ones in which direction it
-/// led and how far, turns by how much it turned. A LiDAR that is turned on the vehicle seems to drive aslant, one that
-/// is upside down to turn the other way; wheels of another size drive another way. Medians, so that slip and a
-/// registration that slid count for nothing.
+/// Compares the motion by registration with that by odometry, stretch by stretch: direction and length on straight
+/// stretches, angle in turns. A LiDAR that is turned on the vehicle seems to drive at an angle, one that is upside down
+/// seems to turn the other way; wheels of another size give another length. Medians make slip and slipped registrations
+/// harmless.
 ///
-/// Remembers the last kMost of either. Pure; one thread.
+/// Keeps the last kMost straight stretches and the last kMost turns. Pure; one thread.
 class TravelDirection {
  public:
   static constexpr double kStretch = 4.0;    ///< m
   static constexpr double kTurn = 0.06;      ///< rad
-  static constexpr std::size_t kLeast = 10;  ///< before anything is said
+  static constexpr std::size_t kLeast = 10;  ///< stretches, or turns, before there is a result
   static constexpr std::size_t kMost = 16;
 
-  /// The next revolution, which fitted the map in every direction.
+  /// Adds the next revolution, which fitted the map in every direction.
   void add(const Pose& T_map_base, const Pose& T_odom_base);
-  /// What comes now has nothing to do with what came before: it did not fit, or is another map's.
+  /// Breaks the sequence: a revolution did not fit, or belongs to another map.
   void interrupt() { begin_.reset(); }
 
-  /// Of straight stretches.
+  /// Result of the straight stretches.
   struct Straight {
-    double aslant = 0;  ///< rad, the LiDAR's way to the left of odometry's
-    double longer = 0;  ///< odometry's way by the LiDAR's, less 1
+    double aslant = 0;  ///< rad, direction by the LiDAR, to the left of that by odometry
+    double longer = 0;  ///< length by odometry divided by that by the LiDAR, less 1
   };
-  /// Nothing before kLeast, or where they do not agree.
+  /// None before kLeast stretches, or if they do not agree.
   [[nodiscard]] std::optional<Straight> straight() const;
-  /// The LiDAR's turns by odometry's: 1, or -1 of a LiDAR that is upside down. Likewise.
+  /// Turn by the LiDAR divided by that by odometry: 1, or -1 if the LiDAR is upside down. None before kLeast turns, or
+  /// if they do not agree.
   [[nodiscard]] std::optional<double> turning() const;
 
  private:

@@ -9,19 +9,19 @@
 namespace curbstone::mapper::place_recognition {
 namespace {
 
-constexpr double kSight = 40.0;         // m: points farther off are few, and off by much with a small turn
-constexpr double kThin = 0.3;           // m: of the scan, one point counts in such a square
-constexpr double kTurnStep = 0.014;     // rad: half of it moves what is 30 m off by 0.2 m
-constexpr double kMatchesApart = 1.5;   // m, between poses that are not the same
+constexpr double kSight = 40.0;         // m: farther points are few, and displaced by much for a small turn
+constexpr double kThin = 0.3;           // m: one point of the scan counts per square of this size
+constexpr double kTurnStep = 0.014;     // rad: half of it moves a point at 30 m by 0.2 m
+constexpr double kMatchesApart = 1.5;   // m, between distinct poses
 constexpr double kMatchesTurned = 0.1;  // rad
-constexpr double kLeast = 0.5;          // score: no scan fits so badly where it was taken
-constexpr double kBehind = 0.35;        // score: so far behind the best, nothing rivals it
-// A bound on time, of points that are looked up on the map: a place that is found takes less than half of it, but for
-// the widest searches, where it may take 385 of 470 million (bench_places).
+constexpr double kLeast = 0.5;          // score: at its true pose every scan scores more
+constexpr double kBehind = 0.35;        // score: a pose this far behind the best is no rival
+// Bounds the time, as points looked up on the map. A place that is found takes less than half of it, except for the
+// widest searches, where it may take 385 of 470 million (bench_places).
 constexpr double kLookups = 2e7;
 constexpr double kLookupsPerTurn = 1e6;
 
-/// A set of shifts at one turn: (x, y) cells and what follows up to 2^level - 1 further.
+/// A set of shifts at one turn: the (x, y) cells and those up to 2^level - 1 further on.
 struct Branch {
   int sum;
   int level;
@@ -84,7 +84,7 @@ class BranchAndBound {
     while (!queue_.empty() && static_cast<int>(found.size()) < most && branches_ < most_branches_) {
       const Branch branch = queue_.top();
       queue_.pop();
-      if (branch.sum < least_) break;  // all others are behind it
+      if (branch.sum < least_) break;  // the queue is sorted: all others are worse
       if (covered(branch, found)) continue;
       if (branch.level == 0) {
         if (found.empty()) least_ = std::max(least_, branch.sum - static_cast<int>(kBehind * full_));
@@ -113,7 +113,7 @@ class BranchAndBound {
     queue_.push({sum, level, turn, x, y});
   }
 
-  /// Whether all that the branch may lead to is as good as found.
+  /// Whether every pose that the branch may lead to is a neighbour of one found.
   [[nodiscard]] bool covered(const Branch& branch, const std::vector<PlanarPose>& found) const {
     const int last = (1 << branch.level) - 1;
     return std::any_of(found.begin(), found.end(), [&](const PlanarPose& pose) {
@@ -127,8 +127,8 @@ class BranchAndBound {
   const PrecomputationGrids& map_;
   SearchWindow range_;
   int shifts_;
-  double full_;  // the sum of a scan that fits everywhere
-  int least_;    // the sum that is worth following
+  double full_;  // the sum of a scan that matches everywhere
+  int least_;    // the least sum worth following
   double step_ = 0;
   std::vector<double> yaws_;
   std::vector<std::vector<int>> cells_;  // of the points, by turn

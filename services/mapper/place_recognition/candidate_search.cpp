@@ -10,16 +10,16 @@
 namespace curbstone::mapper::place_recognition {
 namespace {
 
-constexpr double kBeyond = 25.0;          // m from where the vehicle may be: nodes that show what it sees
+constexpr double kBeyond = 25.0;          // m around the possible positions: nodes within it show what the vehicle sees
 constexpr double kMostReach = 50.0;       // m
 constexpr std::size_t kMostNodes = 30;    // that are taken into account
-constexpr double kNodesApart = 1.5;       // m: nearer to another, a node shows nothing new
-constexpr std::size_t kSightNodes = 3;    // from which the scan is looked at
-constexpr double kThinned = 0.3;          // m: of what stands, one point counts in such a cube
+constexpr double kNodesApart = 1.5;       // m: a node nearer to another adds nothing
+constexpr std::size_t kSightNodes = 3;    // from which visibility is checked
+constexpr double kThinned = 0.3;          // m: one upright point counts per cube of this size
 constexpr float kScanReach = 60.0F;       // m, of the scans of nodes
-constexpr float kGroundReach = 20.0F;     // m: ground that is near enough to tell the height
-constexpr float kGroundSpread = 0.25F;    // m, of ground that agrees: a degree of tilt, 10 m away
-constexpr std::size_t kMinStanding = 60;  // points, fewer tell nothing
+constexpr float kGroundReach = 20.0F;     // m: ground within it determines the height
+constexpr float kGroundSpread = 0.25F;    // m, spread of consistent ground: a degree of tilt, 10 m away
+constexpr std::size_t kMinStanding = 60;  // points; fewer are no evidence
 constexpr std::size_t kMinGround = 10;    // places of the ground
 
 using Cloud = std::vector<Eigen::Vector3f>;
@@ -47,7 +47,7 @@ Cloud one_a_cube(const Cloud& points) {
   return out;
 }
 
-/// Gravity's share of an attitude: roll and pitch, without yaw.
+/// The part of an attitude that gravity determines: roll and pitch, without yaw.
 Pose level_from_base(const Pose& T_map_base) {
   const Eigen::Vector3d rpy = roll_pitch_yaw(T_map_base.linear());
   Pose T = Pose::Identity();
@@ -90,7 +90,7 @@ std::vector<scan::Keyframe> near(const std::vector<const scan::Keyframe*>& nodes
   return out;
 }
 
-/// Their points in map, from the guess's position on: float has digits enough there.
+/// The nodes' points in map axes, relative to the guess's position, where floats are precise enough.
 Cloud points_about(const std::vector<scan::Keyframe>& nodes, const Eigen::Vector3d& position) {
   Cloud out;
   for (const scan::Keyframe& node : nodes) {
@@ -100,8 +100,8 @@ Cloud points_about(const std::vector<scan::Keyframe>& nodes, const Eigen::Vector
   return out;
 }
 
-/// How far a scan must rise for its ground to lie on the map's, as most of its square metres have it: where a car hides
-/// the ground it is the car that is lowest.
+/// How far a scan must rise for its ground to coincide with the map's, by the majority of its square metres: where a
+/// car hides the ground, the car is the lowest.
 std::optional<double> rise(const Cloud& level, const LowestPoints& ground, const Pose& T_local_level,
                            const LowestPoints& map) {
   const Eigen::Isometry3f T = T_local_level.cast<float>();
@@ -163,7 +163,7 @@ PlaceMatch CandidateSearch::refine(const std::vector<scan::LidarPoint>& points, 
   }
   registration::PosePrior prior;
   prior.T_map_base = hypothesis.T_map_base;
-  registration::Vector6 sigma;  // loose, but a lattice's step and an accelerometer's level are not so far off
+  registration::Vector6 sigma;  // loose; the lattice's step and an accelerometer's level are more accurate
   sigma << 1.0, 1.0, 0.5, 0.02, 0.02, 0.05;
   prior.information = sigma.cwiseAbs2().cwiseInverse().asDiagonal();
   prior.reach = 0.5;
@@ -192,7 +192,7 @@ double CandidateSearch::score_at(const Cloud& standing, const Pose& T_local_leve
   return sum / static_cast<double>(std::max<std::size_t>(standing.size(), 1));
 }
 
-/// What stands in the map, seen from the scan, and what stands in the scan, seen from the nearest nodes.
+/// Upright points of the map against the scan's rays, and of the scan against the rays of the nearest nodes.
 double CandidateSearch::conflict_at(const std::vector<scan::LidarPoint>& points, const Cloud& standing,
                                     const Pose& T_map_base) const {
   const Pose T_lidar_base = from(-lidar_);

@@ -13,41 +13,41 @@
 
 namespace curbstone::mapper::place_recognition {
 
-/// Where a scan may have been taken.
+/// Prior knowledge of the pose of a scan.
 struct PlaceGuess {
-  Pose T_map_base = Pose::Identity();  ///< its roll and pitch must be good to a degree or two
-  double reach = 5;                    ///< m, that x and y may be off by; 50 at most
-  double turn = 0.2;                   ///< rad, that yaw may be off by; pi: it may be any
+  Pose T_map_base = Pose::Identity();  ///< roll and pitch must be accurate to a degree or two
+  double reach = 5;                    ///< m, largest error of x and y; 50 at most
+  double turn = 0.2;                   ///< rad, largest error of yaw; pi: unknown
 };
 
-/// A pose worth registering from.
+/// A hypothesis, from which to register.
 struct PlaceHypothesis {
   Pose T_map_base = Pose::Identity();
-  double score = 0;  ///< 0..1: how well what stands upright in the scan falls on what does in the map
+  double score = 0;  ///< 0..1: how well the scan's upright points match the map's
 };
 
-/// Where a scan was taken, and what speaks for it.
+/// The registered pose of a scan, and the evidence for it.
 struct PlaceMatch {
-  registration::RegistrationResult registration;  ///< pose and covariance are here
-  double score = 0;                               ///< as of PlaceHypothesis, at that pose
-  double conflict = 0;   ///< 0..1: of what stands in one scan within the sight of another, the share it looked through
-  double rise = 0;       ///< m by which the ground of the scan is under the map's
-  double runner_up = 0;  ///< score of the best that is another place; 0 where none came near
+  registration::RegistrationResult registration;  ///< with pose and covariance
+  double score = 0;                               ///< as in PlaceHypothesis, at the registered pose
+  double conflict = 0;   ///< 0..1: share of the upright points in the other scan's view that its rays passed through
+  double rise = 0;       ///< m by which the scan's ground is below the map's
+  double runner_up = 0;  ///< score of the best distinct place; 0 if there is none
 };
 
-/// What nodes of the map show of the surroundings of a guess, ready to be searched. Pure; one thread; deterministic.
+/// Searches the map's nodes around a guess for the pose of a scan. Pure; one thread; deterministic.
 class CandidateSearch {
  public:
-  /// Of the nodes, those within 25 m of where the vehicle may be count, the nearest 30 at most. They may be given in
-  /// any number; of those that count, points that are away are read. `lidar`: where it is in base_link, m.
+  /// Uses the nodes within 25 m of the possible positions, the nearest 30 at most. Any number of nodes may be given; of
+  /// those used, spilled points are read. `lidar`: its position in base_link, m.
   CandidateSearch(const std::vector<const scan::Keyframe*>& nodes, const PlaceGuess& guess,
                   const config::IcpConfig& config, const Eigen::Vector3d& lidar);
 
-  /// The best `most` poses within the guess that are not each other's neighbours, best first. `points`: de-skewed, in
-  /// base_link. None where nothing upright is seen, or no nodes are near.
+  /// The best `most` distinct poses within the guess, best first. `points`: de-skewed, in base_link. None if the scan
+  /// has no upright points, or if no nodes are near.
   [[nodiscard]] std::vector<PlaceHypothesis> hypotheses(const std::vector<scan::LidarPoint>& points, int most) const;
 
-  /// Registers the scan from a hypothesis; whatever comes of it.
+  /// Registers the scan from a hypothesis. The result is not checked.
   [[nodiscard]] PlaceMatch refine(const std::vector<scan::LidarPoint>& points, const PlaceHypothesis& hypothesis);
 
  private:
@@ -59,10 +59,10 @@ class CandidateSearch {
   config::IcpConfig config_;
   Eigen::Vector3d lidar_;
   std::vector<scan::Keyframe> nodes_;  // nearest first, in memory
-  LowestPoints lowest_;                // in map, from the guess's position on
+  LowestPoints lowest_;                // in map axes, relative to the guess's position
   std::vector<Eigen::Vector3f> standing_;
   std::optional<PrecomputationGrids> grids_;
-  std::unique_ptr<registration::IcpRegistration> registration_;  // made when it is needed
+  std::unique_ptr<registration::IcpRegistration> registration_;  // created on demand
 };
 
 }  // namespace curbstone::mapper::place_recognition

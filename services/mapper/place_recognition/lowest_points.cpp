@@ -8,7 +8,7 @@ namespace curbstone::mapper::place_recognition {
 namespace {
 
 constexpr float kNoPoint = std::numeric_limits<float>::infinity();
-constexpr float kClear = 0.5F;  // m above the lowest: more than a curb, or than a metre of a steep street
+constexpr float kClear = 0.5F;  // m above the lowest point: more than a curb, or than a metre of a steep street rises
 
 }  // namespace
 

@@ -5,17 +5,17 @@
 
 namespace curbstone::mapper::place_recognition {
 
-/// The lowest point of each square metre about the origin: the ground, where it is seen. Any levelled frame. Pure.
+/// The lowest point of each square metre around the origin: the ground, where it is visible. Any levelled frame. Pure.
 class LowestPoints {
  public:
-  /// `reach`: m either way of the origin in x and y; what is beyond is not kept.
+  /// `reach`: m either way of the origin in x and y; points beyond are ignored.
   explicit LowestPoints(float reach);
 
   void add(const Eigen::Vector3f& point);
-  /// Of the point's own square metre; NaN where nothing was seen.
+  /// Height of the lowest point in the point's own square metre; NaN if there is none.
   [[nodiscard]] float at(const Eigen::Vector3f& point) const;
-  /// Whether it stands clear of what is lowest in its own square metre and the eight around: a wall, a tree, a pole, a
-  /// car; not the ground, on a slope neither.
+  /// Whether the point is clear of the lowest points of its own square metre and of the eight around: a wall, a tree, a
+  /// pole, a car. Ground is not upright, on a slope neither.
   [[nodiscard]] bool upright(const Eigen::Vector3f& point) const;
 
  private:
@@ -25,7 +25,7 @@ class LowestPoints {
   std::vector<float> lowest_;
 };
 
-/// The points that stand upright: see LowestPoints.
+/// The upright points: see LowestPoints.
 [[nodiscard]] std::vector<Eigen::Vector3f> upright(const std::vector<Eigen::Vector3f>& points,
                                                    const LowestPoints& lowest);
 

@@ -8,7 +8,7 @@ namespace curbstone::mapper::place_recognition {
 namespace {
 
 constexpr int kBlur = 2;         // cells about a point
-constexpr double kSigma = 0.25;  // m: half a step of the search, and how well a thinned scan tells where a wall is
+constexpr double kSigma = 0.25;  // m: half a step of the search, and the accuracy of a wall in a downsampled scan
 
 using Lattice = std::vector<std::uint8_t>;
 
@@ -24,7 +24,7 @@ std::array<std::uint8_t, (2 * kBlur + 1) * (2 * kBlur + 1)> bell() {
   return out;
 }
 
-/// The larger of each cell and the one `step` further on, first along rows, then along columns.
+/// The maximum of each cell and the one `step` further on, first along rows, then along columns.
 Lattice coarser(const Lattice& fine, int side, int step) {
   Lattice rows(fine.size()), out(fine.size());
   const auto n = static_cast<std::size_t>(side), s = static_cast<std::size_t>(step);

@@ -11,10 +11,10 @@ namespace {
 
 constexpr float kRing = 2.5F;             // m
 constexpr float kHeightStep = 1.0F / 16;  // m of height
-constexpr float kLane = 2.5F;             // m to the side from which a scan is tried too
-constexpr std::size_t kSieve = 150;       // nodes that are compared in full, for each of these
+constexpr float kLane = 2.5F;             // m to the side from which a scan is tried, too
+constexpr std::size_t kSieve = 150;       // nodes that are compared in full, for each of these positions
 
-/// The height of the ground at the vehicle: the middle of the lowest points of directions and near distances.
+/// Height of the ground at the vehicle: the median of the lowest points by direction and near distance.
 float ground_of(const std::vector<scan::KeyframePoint>& points) {
   constexpr int kSide = 10;  // squares of 2 m
   std::array<float, static_cast<std::size_t>(kSide * kSide)> lowest;
@@ -60,8 +60,8 @@ ScanContext::RingKey ScanContext::key_of(const Heights& heights) {
   return key;
 }
 
-/// One less the mean cosine between sectors (equation 6 there), at the best turn; sectors where neither shows anything
-/// are left out.
+/// One less the mean cosine between sectors (equation 6 there), at the best turn; sectors that are empty in both are
+/// left out.
 std::array<ScanContext::Match, 2> ScanContext::compare(const Heights& scan, const Heights& node) {
   using Sectors = Eigen::Matrix<float, kRings, kSectors>;
   const auto unit = [](const Heights& heights) {
@@ -135,7 +135,7 @@ std::vector<PlaceCandidate> ScanContext::query(const std::vector<scan::KeyframeP
   return out;
 }
 
-/// The entries whose key is nearest, nearest first.
+/// The entries with the nearest keys, nearest first.
 std::vector<std::size_t> ScanContext::alike(const RingKey& key) const {
   std::vector<std::pair<float, std::size_t>> near;
   for (std::size_t i = 0; i < entries_.size(); ++i) {

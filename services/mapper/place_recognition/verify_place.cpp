@@ -7,9 +7,9 @@
 namespace curbstone::mapper::place_recognition {
 namespace {
 
-// Measured with bench_places: where they were taken, scans of towns and of KITTI score 0.91 to 0.99 with a
-// conflict of 0.07 to 0.28; elsewhere 0.66 at best, with 0.38 at least. Between plain walls a wrong pose can score
-// 0.91, though, but then hardly less a metre further along.
+// Measured with bench_places: at their true place, scans of towns and of KITTI score 0.91 to 0.99 with a conflict of
+// 0.07 to 0.28; elsewhere 0.66 at best, with 0.38 at least. Between plain walls a wrong pose can score 0.91, but then
+// it scores hardly less a metre further along.
 constexpr double kMinScore = 0.80;
 constexpr double kMaxConflict = 0.34;
 constexpr double kMinContrast = 0.65;
@@ -22,23 +22,23 @@ constexpr double kMinScoreOfPart = 0.65;
 constexpr double kMaxConflictOfPart = 0.15;
 constexpr double kMinInliersOfPart = 0.85;
 constexpr double kMinOverlapOfPart = 0.3;
-constexpr double kMinLeadOfPart = 0.35;  // of its score, before the runner-up
+constexpr double kMinLeadOfPart = 0.35;  // of its score, over the runner-up
 constexpr double kMaxRise = 0.15;        // m
 constexpr double kMaxResidual = 0.10;    // m
-constexpr double kWorthATry = 0.25;      // of score before registration, behind the best
-constexpr double kLeastReach = 4.0;      // m: how it would fit so far along is to be known in any case
-constexpr double kSlack = 0.5;           // m that registration may end beyond the guess
+constexpr double kWorthATry = 0.25;      // largest deficit of score before registration, against the best
+constexpr double kLeastReach = 4.0;      // m: the rivals within it are searched in any case
+constexpr double kSlack = 0.5;           // m by which registration may end beyond the guess
 constexpr double kTurnedSlack = 0.05;    // rad
 constexpr int kMostHypotheses = 4;       // within one guess
 constexpr std::size_t kMostTries = 4;    // registrations
 constexpr double kApart = 1.0;           // m, poses that are not the same place
 constexpr double kTurnedApart = 0.1;     // rad
 constexpr int kCandidates = 40;          // of the index
-constexpr std::size_t kMostPlaces = 12;  // of theirs that are searched
+constexpr std::size_t kMostPlaces = 12;  // of the candidates' that are searched
 constexpr double kPlaceReach = 7.0;      // m, about a candidate
 constexpr double kPlaceTurn = 0.2;       // rad
 
-/// A hypothesis, and the search that it is of.
+/// A hypothesis, and the search that it comes from.
 struct Try {
   CandidateSearch* search;
   PlaceHypothesis hypothesis;
@@ -49,7 +49,7 @@ bool apart(const Pose& a, const Pose& b) {
   return between.translation().norm() > kApart || angle_of(between) > kTurnedApart;
 }
 
-/// Of what the runner-up does not explain, the share that the match does.
+/// The share of what the runner-up leaves unexplained that the match explains.
 double contrast(const PlaceMatch& match) {
   return (match.score - match.runner_up) / std::max(1 - match.runner_up, 0.01);
 }
@@ -78,7 +78,7 @@ bool within(const PlaceGuess& guess, const Pose& T_map_base) {
   return off.head<2>().cwiseAbs().maxCoeff() <= guess.reach + kSlack && std::abs(turn) <= guess.turn + kTurnedSlack;
 }
 
-/// Registers the best, and whatever may be as good.
+/// Registers the best hypothesis, and others that may be as good.
 std::optional<PlaceMatch> decide(const std::vector<scan::LidarPoint>& points, std::vector<Try> tries, Known known) {
   if (tries.empty()) return std::nullopt;
   std::stable_sort(tries.begin(), tries.end(),
@@ -94,7 +94,7 @@ std::optional<PlaceMatch> decide(const std::vector<scan::LidarPoint>& points, st
     if (apart(other.registration.T_map_base, best.registration.T_map_base))
       best.runner_up = std::max(best.runner_up, other.score);
   }
-  // Who was not tried for want of tries is taken at his word.
+  // Hypotheses beyond the limit of tries count with their score before registration.
   for (std::size_t i = matches.size(); i < tries.size(); ++i) {
     if (apart(tries[i].hypothesis.T_map_base, best.registration.T_map_base))
       best.runner_up = std::max(best.runner_up, tries[i].hypothesis.score);

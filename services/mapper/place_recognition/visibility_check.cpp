@@ -9,8 +9,8 @@ namespace {
 
 constexpr int kAzimuths = 360, kElevations = 60;  // directions, a degree apart, +-30 deg
 constexpr float kReach = 30.0F;                   // m
-constexpr float kNear = 1.5F;                     // m: nearer there is the vehicle
-constexpr float kSame = 0.6F;                     // m: so near it is the same thing
+constexpr float kNear = 1.5F;                     // m: closer points are of the vehicle
+constexpr float kSame = 0.6F;                     // m: points this close are of the same object
 
 int direction_of(const Eigen::Vector3f& p) {
   constexpr float kDegree = std::numbers::pi_v<float> / 180;

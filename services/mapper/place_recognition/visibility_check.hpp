@@ -5,10 +5,10 @@
 
 namespace curbstone::mapper::place_recognition {
 
-/// How what one scan saw bears another out.
+/// How far a scan confirms or contradicts points.
 struct VisibilityCount {
-  int agree = 0;     ///< points where the rays ended about there
-  int conflict = 0;  ///< points that the rays went through
+  int agree = 0;     ///< points near which the rays ended
+  int conflict = 0;  ///< points that the rays passed through
   VisibilityCount& operator+=(const VisibilityCount& other) {
     agree += other.agree;
     conflict += other.conflict;
@@ -16,14 +16,14 @@ struct VisibilityCount {
   }
 };
 
-/// How far a scan saw, by direction: where its rays went on, nothing can stand. Pure.
+/// The free space that a scan shows: its range by direction. Nothing can stand where its rays passed. Pure.
 class VisibilityCheck {
  public:
-  /// Points in a frame whose origin is the lidar's.
+  /// `points` in a frame whose origin is the lidar.
   explicit VisibilityCheck(const std::vector<Eigen::Vector3f>& points);
 
-  /// Points of something that stands, in the same frame. What is beyond what was seen, or where no ray went, says
-  /// nothing.
+  /// Checks points of upright objects, in the same frame. Points beyond the observed range, or where no ray went, are
+  /// not counted.
   [[nodiscard]] VisibilityCount check(const std::vector<Eigen::Vector3f>& points) const;
 
  private:

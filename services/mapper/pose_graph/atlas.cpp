@@ -21,8 +21,8 @@ std::vector<scan::KeyframePoint> node_points(const std::vector<scan::LidarPoint>
   return kept;
 }
 
-constexpr int kKeptHere = 20;            // nodes, the newest: what is written of them need not be read again
-constexpr double kOdometryDrift = 0.02;  // m a metre, of odometry alone
+constexpr int kKeptHere = 20;            // the newest nodes: writing their scans needs no reading back
+constexpr double kOdometryDrift = 0.02;  // m per metre, of odometry alone
 
 double far_in_any_axis(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return (a - b).cwiseAbs().maxCoeff();
@@ -91,7 +91,7 @@ std::vector<Pose> Atlas::poses() const {
   return poses;
 }
 
-/// In space: a bridge is another place than the road below.
+/// Distance in space: a bridge is a different place from the road below.
 int Atlas::nearest_present(const Eigen::Vector3d& point, double within) const {
   int best = kNone;
   double distance = within;
@@ -116,7 +116,7 @@ std::vector<int> Atlas::near(const Eigen::Vector3d& point, double radius) const 
   return ids;
 }
 
-/// Dijkstra, as far as the length goes.
+/// Dijkstra's algorithm, bounded by the length.
 std::vector<int> Atlas::connected(int from, double length) const {
   std::map<int, double> reached;
   using Entry = std::pair<double, int>;
@@ -217,7 +217,7 @@ double Atlas::length_of(const PoseEdge& edge) const {
   return 1 / (edge.information(0, 0) * config_.step_m * config_.step_m);
 }
 
-/// An edge that was driven, or seen to hold because both ends are present.
+/// An edge that was driven, or that holds because both ends are present.
 PoseEdge Atlas::step(int from, int to, const Pose& T_from_to) const {
   double length = std::max(T_from_to.translation().norm(), 0.1);
   if (left_) length = std::pow((0.1 + kOdometryDrift * length) / config_.step_m, 2);
@@ -235,7 +235,7 @@ bool Atlas::linked(int a, int b) const {
   });
 }
 
-/// The farthest nodes keep their place in the graph and lose their scan, unless it lies in the file.
+/// The farthest nodes stay in the graph and lose their scan, unless it is in the file.
 void Atlas::bound_memory(const Eigen::Vector3d& centre) {
   if (size() <= config_.max_nodes || far_->takes()) return;
   Node* farthest = nullptr;

@@ -15,30 +15,30 @@
 
 namespace curbstone::mapper::pose_graph {
 
-/// The drive as a graph of places: a node each metre of new ground, edges between nodes whose relative pose was
-/// measured. On known ground there are no new nodes, so an hour of rounds takes no more memory than one.
+/// The pose graph of the drive: a node per metre of new ground, and edges between nodes whose relative pose was
+/// measured. Known ground gets no new nodes, so an hour of rounds takes no more memory than one round.
 ///
 /// A node is *present* while its surroundings are part of the map for registration. The vehicle is always at a present
-/// node, its *reference*. Positions in `map` move when a loop is closed; what was measured, the edges, does not.
-/// A function of the calls alone. Pure; one thread.
+/// node, its *reference*. A loop closure moves the nodes' poses in `map`; the measurements, the edges, do not change. A
+/// function of the calls alone. Pure; one thread.
 class Atlas {
  public:
   static constexpr int kNone = -1;
 
-  /// `far`: where the scans of all but the newest nodes are put away; without a folder in memory, packed.
+  /// `far`: file for the scans of all but the newest nodes; one without a folder keeps them in memory, packed.
   explicit Atlas(const config::AtlasConfig& config, std::shared_ptr<SpillFile> far = std::make_shared<SpillFile>())
       : config_(config), far_(std::move(far)) {}
 
-  /// The vehicle was registered here: the node it is at, made if there is none within `spacing`.
+  /// Reports a registered pose. Returns the node at the vehicle, which is created if there is none within `spacing`.
   int visit(std::int64_t utime, const Pose& T_map_base, const std::vector<scan::LidarPoint>& points);
-  /// Registration lost all that it knew, and only odometry leads from the reference to the next visit().
+  /// Reports that the map for registration was lost: only odometry connects the reference with the next visit().
   void leave();
-  /// The vehicle is here, on known ground: the present node that it is at now. Makes none.
+  /// Reports a pose on known ground and selects the present node there as reference. Creates no node.
   void follow(const Pose& T_map_base);
-  /// Takes a node and edges of an earlier map as they are. Before the first visit().
+  /// Adds a node of an earlier map as it is. To be called before the first visit().
   int add_known(scan::Keyframe node);
   void add_known(const PoseEdge& edge);
-  /// Takes a node of this drive from who made it before; `driven`: m, as driven(). Not present.
+  /// Adds a node of this drive from the worker that created it; `driven`: m, as driven(). The node is not present.
   void restore(scan::Keyframe node, double driven);
 
   [[nodiscard]] int size() const { return static_cast<int>(nodes_.size()); }
@@ -47,33 +47,33 @@ class Atlas {
   /// m driven on new ground when the node was made.
   [[nodiscard]] double driven(int id) const { return nodes_[static_cast<std::size_t>(id)].driven; }
   [[nodiscard]] bool present(int id) const { return nodes_[static_cast<std::size_t>(id)].present; }
-  /// Nodes that came with an earlier map stand fast: that map does not bend.
+  /// Nodes of an earlier map are fixed: that map does not bend.
   [[nodiscard]] int num_known() const { return num_known_; }
   [[nodiscard]] const std::vector<PoseEdge>& edges() const { return edges_; }
   [[nodiscard]] std::vector<Pose> poses() const;
 
-  /// Nodes within `radius` (horizontally, m) of a point, by distance.
+  /// Nodes within `radius` (horizontally, m) of a point, ordered by distance.
   [[nodiscard]] std::vector<int> near(const Eigen::Vector3d& point, double radius) const;
-  /// Nodes that can be reached from one along edges of at most `length` m altogether, itself included; by number. An
-  /// edge is as long as a drive that would be as uncertain.
+  /// Nodes that can be reached from a node along edges of at most `length` m in total, itself included; ordered by
+  /// number. The length of an edge is that of a drive with the same uncertainty.
   [[nodiscard]] std::vector<int> connected(int from, double length) const;
-  /// The node nearest to a point (horizontally) that has its scan; kNone if there is none.
+  /// The node nearest to a point (horizontally) among those that have a scan; kNone if there is none.
   [[nodiscard]] int nearest(const Eigen::Vector3d& point) const;
-  /// The reference, and the nodes within the window (any axis) that drift cannot have displaced from it.
+  /// The reference, and the nodes within the window (any axis) that drift cannot have displaced against it.
   [[nodiscard]] std::vector<int> surroundings(int reference, const Eigen::Vector3d& centre, double window) const;
 
-  /// Registration has forgotten what is farther than `window` (any axis): its nodes are absent from now on.
+  /// Marks nodes farther than `window` (any axis) as absent: registration has dropped their surroundings.
   void forget_far(const Eigen::Vector3d& centre, double window);
-  /// Absent nodes within the window that drift cannot have displaced: they are present from now on.
+  /// Returns absent nodes within the window that drift cannot have displaced, and marks them as present.
   [[nodiscard]] std::vector<int> take_returning(const Eigen::Vector3d& centre, double window);
-  /// Only these are present now, and the vehicle is at that one.
+  /// Makes exactly these nodes present, and sets the reference.
   void set_present(const std::vector<int>& ids, int reference);
 
-  /// A measured pose of one node seen from another that no drive between them explains.
+  /// Adds a measured relative pose of two nodes that does not come from the drive between them.
   void add_loop(const PoseEdge& loop);
   /// Moves each node by its correction, T_new_old.
   void move(const std::vector<Pose>& corrections);
-  /// Forgets all nodes and edges made after `utime`.
+  /// Removes all nodes and edges made after `utime`, us.
   void roll_back(std::int64_t utime);
 
  private:

@@ -9,9 +9,9 @@
 namespace curbstone::mapper::pose_graph {
 namespace {
 
-constexpr double kUnconnected = 150.0;  // m along the graph, below which no loop is worth closing
-constexpr double kTurn = 0.15;          // rad, by which the heading may have drifted
-constexpr double kLeastSigma = 0.02;    // m: the scans of a node are thinned, whatever registration says
+constexpr double kUnconnected = 150.0;  // m along the graph: shorter loops are not worth closing
+constexpr double kTurn = 0.15;          // rad: largest drift of the heading
+constexpr double kLeastSigma = 0.02;    // m: the scans of nodes are downsampled, whatever covariance registration gives
 constexpr double kLeastTurn = 0.002;    // rad
 
 registration::Matrix6 floored(const registration::Matrix6& covariance) {
@@ -22,7 +22,7 @@ registration::Matrix6 floored(const registration::Matrix6& covariance) {
 
 }  // namespace
 
-/// The nearest node that drift may have put elsewhere.
+/// The nearest node that drift may have displaced.
 int LoopCloser::candidate(const Atlas& atlas, const Eigen::Vector3d& position) const {
   const std::vector<int> near = atlas.near(position, config_.max_search);
   if (std::none_of(near.begin(), near.end(), [&](int id) { return !atlas.present(id); })) return Atlas::kNone;
@@ -63,7 +63,7 @@ std::optional<LoopClosure> LoopCloser::look(const Atlas& atlas, const Relocalize
   return LoopClosure{node, atlas.node(node).T_map_base.inverse() * match->T_map_base, match->covariance};
 }
 
-/// Older loops that were outvoted do not speak against the new one.
+/// Older loops that were rejected as outliers do not count against the new one.
 bool LoopCloser::bends_too_far(const std::vector<PoseEdge>& edges, const std::vector<double>& sigma) const {
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const bool counts = !edges[e].closes_loop || e + 1 == edges.size();

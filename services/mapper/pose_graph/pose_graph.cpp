@@ -14,13 +14,13 @@
 namespace curbstone::mapper::pose_graph {
 namespace {
 
-constexpr double kLoopKernel = 5.0;  // Mahalanobis: of six degrees of freedom, one true edge in 3000 is beyond
-constexpr double kNarrowing = 4.0;   // of the kernel, from one solution to the next
+constexpr double kLoopKernel = 5.0;  // Mahalanobis: with six degrees of freedom, one correct edge in 3000 exceeds it
+constexpr double kNarrowing = 4.0;   // factor from one solution to the next
 constexpr int kIterations = 4;       // until the kernel is narrowed
 constexpr int kLastIterations = 25;  // with the kernel at its last width
-constexpr double kNothing = 1e-9;    // chi2: beneath, what is left is rounding, which does not converge
+constexpr double kNothing = 1e-9;    // chi2: a smaller rest is rounding, which does not converge
 
-/// Geman and McClure's kernel: what is beyond the width pulls less the farther off it is.
+/// The Geman-McClure kernel: beyond its width the influence of a residual decreases.
 class GemanMcClure final : public ceres::LossFunction {
  public:
   explicit GemanMcClure(double width) : c2_(width * width) {}
@@ -61,8 +61,8 @@ Pose moved(const Pose& pose, const double* change) {
   return out;
 }
 
-/// How far the nodes are from what an edge says, in its sigmas. With E = T_from_to^-1 T_from^-1 T_to the residual is
-/// (translation of E, Log of its rotation).
+/// The residual of an edge, in sigmas. With E = T_from_to^-1 T_from^-1 T_to it is (translation of E, Log of its
+/// rotation).
 class EdgeDistance final : public ceres::SizedCostFunction<6, 6, 6> {
  public:
   EdgeDistance(const PoseEdge& edge, const Pose& from, const Pose& to, const registration::Matrix6& root)
@@ -96,7 +96,7 @@ class EdgeDistance final : public ceres::SizedCostFunction<6, 6, 6> {
   }
 
  private:
-  /// J is with respect to a rotation in the axes of the node as it is; Ceres knows the sum of them.
+  /// J is with respect to a rotation in the node's current axes; Ceres uses the total rotation vector.
   void fill(registration::Matrix6& J, const double* change, double* out) const {
     J.rightCols<3>() *= right_jacobian(Eigen::Map<const Eigen::Vector3d>(change + 3));
     Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>{out} = root_ * J;
@@ -106,7 +106,7 @@ class EdgeDistance final : public ceres::SizedCostFunction<6, 6, 6> {
   registration::Matrix6 root_;
 };
 
-/// R with R^T R = information; nothing if it is no information.
+/// R with R^T R = information; nothing if the information is invalid.
 std::optional<registration::Matrix6> root_of(const registration::Matrix6& information) {
   if (!information.allFinite()) return std::nullopt;
   const double size = information.cwiseAbs().maxCoeff();
@@ -117,7 +117,7 @@ std::optional<registration::Matrix6> root_of(const registration::Matrix6& inform
   return values.cwiseMax(0).cwiseSqrt().asDiagonal() * vectors.transpose();
 }
 
-/// Does every edge hang, through others, on a fixed node?
+/// Whether every edge is connected, through others, to a fixed node.
 bool all_hang(const std::vector<bool>& fixed, const std::vector<PoseEdge>& edges) {
   std::vector<std::size_t> group(fixed.size());
   std::iota(group.begin(), group.end(), std::size_t{0});
@@ -134,7 +134,7 @@ bool all_hang(const std::vector<bool>& fixed, const std::vector<PoseEdge>& edges
   return std::all_of(edges.begin(), edges.end(), [&](const PoseEdge& edge) { return hangs[head(edge.to)]; });
 }
 
-/// The roots of all edges' information; nothing if the graph cannot be solved.
+/// The square roots of all edges' information; nothing if the graph is invalid.
 std::optional<std::vector<registration::Matrix6>> checked(const std::vector<Pose>& poses,
                                                           const std::vector<bool>& fixed,
                                                           const std::vector<PoseEdge>& edges) {
@@ -152,7 +152,7 @@ std::optional<std::vector<registration::Matrix6>> checked(const std::vector<Pose
   return roots;
 }
 
-/// The graph as Ceres takes it.
+/// The graph as a Ceres problem.
 class PoseGraphProblem {
  public:
   PoseGraphProblem(const std::vector<Pose>& poses, const std::vector<bool>& fixed, const std::vector<PoseEdge>& edges,
@@ -174,10 +174,10 @@ class PoseGraphProblem {
     kernel_.Reset(new GemanMcClure(kernel), ceres::TAKE_OWNERSHIP);
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // no BLAS, whose threads choose the last bits
+    options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // no BLAS: its threads affect the last bits
     options.num_threads = 1;
     options.max_num_iterations = iterations;
-    options.initial_trust_region_radius = 1e10;  // a long chain bends in ways that hardly cost: do not damp them
+    options.initial_trust_region_radius = 1e10;  // a long chain has modes of low curvature, which must not be damped
     options.max_trust_region_radius = 1e16;
     options.function_tolerance = 1e-7;
     options.parameter_tolerance = 1e-9;
@@ -186,7 +186,7 @@ class PoseGraphProblem {
     ceres::Solve(options, &problem_, &summary);
     return summary;
   }
-  /// Mahalanobis norms, as the nodes are now.
+  /// Mahalanobis norms at the nodes' current poses.
   [[nodiscard]] std::vector<double> sigmas() {
     std::vector<double> out;
     for (std::size_t i = 0; i < edges_.size(); ++i) {
@@ -210,7 +210,7 @@ class PoseGraphProblem {
 
   const std::vector<PoseEdge>& edges_;
   std::vector<Change> changes_;
-  std::deque<EdgeDistance> costs_;  // which Ceres lets nobody move
+  std::deque<EdgeDistance> costs_;  // Ceres requires stable addresses
   ceres::LossFunctionWrapper kernel_;
   ceres::Problem problem_;
 };

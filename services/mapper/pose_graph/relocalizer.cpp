@@ -6,12 +6,12 @@
 namespace curbstone::mapper::pose_graph {
 namespace {
 
-constexpr double kSurroundings = 60.0;    // m along the graph, that one search looks at
-constexpr double kLeastSearch = 1.0;      // m, and
-constexpr double kFarthestSearch = 15.0;  // m, that a search about a guess reaches
-constexpr double kUnseenTurn = 0.3;       // rad, that the vehicle may have turned unseen,
+constexpr double kSurroundings = 60.0;    // m along the graph that one search covers
+constexpr double kLeastSearch = 1.0;      // m, least and
+constexpr double kFarthestSearch = 15.0;  // m, largest reach of a search about a guess
+constexpr double kUnseenTurn = 0.3;       // rad: turn that the vehicle may have made unobserved,
 constexpr auto kKnown = place_recognition::Known::kPart;
-constexpr double kTurnPerMetre = 0.3;  // and rad more for each m that it may have gone
+constexpr double kTurnPerMetre = 0.3;  // and rad more per m of possible motion
 
 }  // namespace
 

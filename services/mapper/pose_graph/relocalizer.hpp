@@ -11,31 +11,30 @@
 
 namespace curbstone::mapper::pose_graph {
 
-/// Where a scan was taken.
+/// The pose of a scan, found by relocalisation.
 struct FoundPlace {
   Pose T_map_base = Pose::Identity();
   registration::Matrix6 covariance = registration::Matrix6::Zero();  ///< in base_link axes
-  int node = 0;  ///< of the atlas, whose surroundings it was found in
+  int node = 0;  ///< of the atlas, in whose surroundings the pose was found
 };
 
-/// Finds out where a scan was taken, by what the atlas remembers. Says nothing rather than guess. Pure; one
-/// thread.
+/// Finds the pose of a scan in the atlas. Returns nothing rather than an uncertain pose. Pure; one thread.
 class Relocalizer {
  public:
-  /// `lidar`: where it is in base_link, m.
+  /// `lidar`: its position in base_link, m.
   Relocalizer(const config::IcpConfig& config, const Eigen::Vector3d& lidar) : config_(config), lidar_(lidar) {}
 
-  /// In the surroundings of one node, when the vehicle may be `reach` m and `turn` rad off the guess.
+  /// Searches the surroundings of one node; the guess may be `reach` m and `turn` rad off.
   [[nodiscard]] std::optional<FoundPlace> find_at(
       const Atlas& atlas, int node, const std::vector<scan::LidarPoint>& points, const Pose& guess, double reach,
       double turn, place_recognition::Known known = place_recognition::Known::kAll) const;
-  /// Near a guess that may be `doubt` m off; where that is too far to search, anywhere that looks like it. The vehicle
-  /// may have left the map a little way behind.
+  /// Searches near a guess that may be `doubt` m off; if that is too far, searches all places that look alike. The
+  /// vehicle may be a little beyond the end of the map.
   [[nodiscard]] std::optional<FoundPlace> find(const Atlas& atlas, const std::vector<scan::LidarPoint>& points,
                                                const Pose& guess, double doubt);
-  /// Whether so much doubt is too far to search. Much dearer.
+  /// Whether `doubt` m is too far for a local search. The search of all places is much more expensive.
   [[nodiscard]] static bool is_anywhere(double doubt);
-  /// Nodes have been taken back: numbers may come to mean others.
+  /// Drops what was indexed: nodes have been removed, so numbers may refer to other nodes.
   void forget();
 
  private:

@@ -11,29 +11,29 @@
 namespace curbstone::mapper::registration {
 namespace {
 
-/// Points near each other share their plane and its error: of so many, one counts.
+/// Neighbouring points share a plane and its error: one in 25 counts as independent.
 constexpr double kIndependence = 1.0 / 25;
 
-constexpr std::size_t kCoarseStride = 4;  // one point in so many finds the way; all of them say where it ends
-constexpr std::size_t kAhead = 8;         // points
-constexpr double kRematch = 0.01;         // m, moved by so much since points were matched, they are matched again
-constexpr double kRematchTurn = 0.001;    // rad, likewise
-constexpr double kSettledBounds = 5;      // of the kernel's bound: once steps are smaller all points are used
-constexpr double kLastStep = 5e-4;        // m, of a step that ends the iteration,
-constexpr double kLastTurn = 1e-4;        // and rad
+constexpr std::size_t kCoarseStride = 4;  // one point in four is used until the pose has settled, then all are
+constexpr std::size_t kAhead = 8;         // points that are prefetched
+constexpr double kRematch = 0.01;         // m: correspondences are searched again once the pose has moved this far,
+constexpr double kRematchTurn = 0.001;    // rad: or turned this far
+constexpr double kSettledBounds = 5;      // of the kernel's bound: once steps are smaller, all points are used
+constexpr double kLastStep = 5e-4;        // m: the iteration ends with a step below this
+constexpr double kLastTurn = 1e-4;        // and below this, in rad
 
-/// H d = -b for the step d: the matches without the directions that they do not fix, and the prior.
+/// The equations of a step d, H d = -b: the matches, without the directions that they do not constrain, and the prior.
 struct StepEquations {
   Ldlt<6> H;
   Vector6 b;
 
-  /// `off_prior`: the pose seen from the prior's.
+  /// `off_prior`: the pose relative to the prior's.
   StepEquations(const NormalEquations& sum, const Matrix6& P, const PosePrior& prior, const Pose& off_prior)
       : H(kIndependence * P * sum.H * P.transpose() + prior.information),
         b(kIndependence * P * sum.b + prior.information * log_of(off_prior)) {}
 };
 
-/// How far the step's matches say that the scan lies on the map, of `sought` points.
+/// Fills in overlap, inliers and residual of the result, from the matches of the last step of `sought` points.
 void describe(const NormalEquations& sum, double sought, RegistrationResult& result) {
   result.overlap = sum.found / std::max(sought, 1.0);
   result.inlier_ratio = static_cast<double>(sum.inliers) / std::max(sum.found, 1);
@@ -52,7 +52,7 @@ void IcpRegistration::match(const std::vector<scan::LidarPoint>& source, std::si
   matches_.clear();
   const Eigen::Matrix3d R = T_map_base.linear();
   const double sensor_variance = config_.sensor_sigma * config_.sensor_sigma;
-  // The map is larger than the caches: what some points ahead will need is on the way meanwhile.
+  // The map is larger than the CPU's caches: the voxels of points further on are prefetched.
   struct Sought {
     Eigen::Vector3d p;
     ShapeLevel::Place place;
@@ -77,12 +77,12 @@ void IcpRegistration::match(const std::vector<scan::LidarPoint>& source, std::si
   }
 }
 
-/// Match, solve, move, until the steps are small: first with few of the points and a wide kernel, then with all of them
-/// and a narrow one.
+/// Alternates matching and Gauss-Newton steps until the steps are small: first with a subset of the points and a wide
+/// kernel, then with all points and a narrow one.
 RegistrationResult IcpRegistration::align(const std::vector<scan::LidarPoint>& points, const PosePrior& prior) {
   const std::vector<scan::LidarPoint> source = scan::downsample(points, config_.source_voxel, config_.max_range);
   const double settled = kSettledBounds * config_.kernel;
-  double annealing = std::clamp(prior.reach, settled, std::max(config_.search, settled));  // m, still to go
+  double annealing = std::clamp(prior.reach, settled, std::max(config_.search, settled));  // m, expected error
   Pose T_matched = prior.T_map_base;                                                       // where points were matched
   Pose moved = Pose::Identity();                                                           // since then
   std::size_t stride = kCoarseStride;

@@ -9,13 +9,13 @@
 
 namespace curbstone::mapper::registration {
 
-/// Point-to-plane ICP on a voxel map of planes: Gauss-Newton over SE(3) with a Huber kernel, a Gaussian prior, and
-/// directions that the surroundings do not fix left to the prior (solution remapping, Zhang, Kaess, Singh, ICRA 2016).
-/// Steps are cheap and matching is not: points are matched anew only when the pose has moved, and few of them until it
-/// has settled.
+/// Point-to-plane ICP on a voxel map of planes: Gauss-Newton over SE(3) with a Huber kernel and a Gaussian prior.
+/// Directions that the surroundings do not constrain follow the prior (solution remapping, Zhang, Kaess, Singh, ICRA
+/// 2016). A Gauss-Newton step is cheap and matching is expensive: correspondences are searched again only when the pose
+/// has moved, and only for a subset of the points until the pose has settled.
 class IcpRegistration final : public Registration {
  public:
-  /// `lidar`: where it is in base_link, m.
+  /// `lidar`: its position in base_link, m.
   IcpRegistration(const config::IcpConfig& config, const Eigen::Vector3d& lidar);
 
   [[nodiscard]] RegistrationResult align(const std::vector<scan::LidarPoint>& points, const PosePrior& prior) override;
@@ -26,7 +26,7 @@ class IcpRegistration final : public Registration {
   [[nodiscard]] std::size_t size() const override { return map_.size(); }
 
  private:
-  /// Finds the planes of every `stride`-th point.
+  /// Finds the corresponding planes of every `stride`-th point.
   void match(const std::vector<scan::LidarPoint>& source, std::size_t stride, const Pose& T_map_base, double reach);
 
   config::IcpConfig config_;

@@ -8,9 +8,9 @@
 namespace curbstone::mapper::registration {
 namespace {
 
-/// Features near each other share their shape and its error: of so many, one counts.
+/// Neighbouring features share a shape and its error: one in 10 counts as independent.
 constexpr double kFeatureIndependence = 1.0 / 10;
-constexpr double kSettled = 0.15;  // m: reach at which matching no longer changes much
+constexpr double kSettled = 0.15;  // m: reach below which the matches hardly change any more
 
 }  // namespace
 
@@ -108,7 +108,7 @@ void LoamRegistration::insert(const std::vector<scan::LidarPoint>& points, const
   edges_.end_insertion();
 }
 
-/// As planes only: a thinned scan has no rings to see edges in.
+/// As planes only: a downsampled scan has no rings from which edges could be extracted.
 void LoamRegistration::recall(const scan::Keyframe& node) {
   planes_.insert(scan::unpack(*node.points.read()), node.T_map_base, lidar_);
 }

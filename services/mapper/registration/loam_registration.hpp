@@ -7,11 +7,11 @@
 
 namespace curbstone::mapper::registration {
 
-/// LOAM's scan-to-map step (Zhang, Singh, RSS 2014, section VI) on maps of edges and planes that are kept in voxels,
-/// with a Gaussian prior and directions that the surroundings do not fix left to it.
+/// LOAM's scan-to-map step (Zhang, Singh, RSS 2014, section VI) on voxel maps of edges and planes, with a Gaussian
+/// prior. Directions that the surroundings do not constrain follow the prior.
 class LoamRegistration final : public Registration {
  public:
-  /// `lidar`: where it is in base_link, m.
+  /// `lidar`: its position in base_link, m.
   LoamRegistration(const config::LoamConfig& config, const Eigen::Vector3d& lidar);
 
   [[nodiscard]] RegistrationResult align(const std::vector<scan::LidarPoint>& points, const PosePrior& prior) override;
@@ -22,7 +22,7 @@ class LoamRegistration final : public Registration {
   [[nodiscard]] std::size_t size() const override { return planes_.size() + edges_.size(); }
 
  private:
-  /// What the features come to at a pose: their matches within reach, and the sums over them.
+  /// The matches of the features within reach at a pose, and the sums over them.
   struct Matching {
     std::vector<FeatureMatch> matches;
     NormalEquations sum;

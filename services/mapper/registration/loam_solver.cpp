@@ -17,8 +17,8 @@ Matrix6 small_adjoint(const Vector6& x) {
   return out;
 }
 
-/// Residuals whose squares add up to the robust cost: of a plane its distance, of a line those along two directions
-/// across it, and six for the prior. A loss rho of the distance s becomes a factor sqrt(rho(s^2)) / s.
+/// Residuals whose squares add up to the robust cost: the distance from a plane, the distances from a line along two
+/// directions across it, and six for the prior. A loss rho of the distance s becomes a factor sqrt(rho(s^2)) / s.
 class LoamResiduals {
  public:
   using Scalar = double;
@@ -36,7 +36,7 @@ class LoamResiduals {
 
   bool operator()(const double* change, double* residuals, double* jacobian) const {
     const Vector6 x = Eigen::Map<const Vector6>(change);
-    const Vector6 d = seen_ * x;  // what the features see of it
+    const Vector6 d = seen_ * x;  // the part of x that the features constrain
     const Pose T = problem_.T_map_base * exp_of(d);
     const Eigen::Matrix3d to_base = T.linear().transpose();
     Residuals r(residuals, NumResiduals());
@@ -51,7 +51,7 @@ class LoamResiduals {
         add_plane(match, off, to_base, at, r, J);
       at += match.line ? 2 : 1;
     }
-    // The prior sees the whole change, also where the features say nothing.
+    // The prior applies to the whole change, also in directions that the features do not constrain.
     const Vector6 off = log_of(T_prior_start_ * exp_of(x));
     r.tail<6>() = root_ * off;
     if (J == nullptr) return true;
@@ -69,7 +69,7 @@ class LoamResiduals {
   using Residuals = Eigen::Map<Eigen::VectorXd>;
   using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
-  /// Huber's: what a distance is multiplied by, and what its product grows by with it.
+  /// Huber loss: the factor on a distance, and the derivative of the product by the distance.
   struct Loss {
     double factor = 1, slope = 1;
   };
@@ -80,8 +80,8 @@ class LoamResiduals {
     return {root / s, a / root};
   }
 
-  /// The distance from a plane. `off`: weighted offset of the point from the shape's mean, in map; `to_base` turns it
-  /// into base_link's axes.
+  /// Adds the distance from a plane. `off`: weighted offset of the point from the shape's mean, in map; `to_base`
+  /// rotates it into base_link's axes.
   void add_plane(const FeatureMatch& match, const Eigen::Vector3d& off, const Eigen::Matrix3d& to_base, Eigen::Index at,
                  Residuals& r, Rows* J) const {
     const double distance = match.axis.dot(off);
@@ -90,7 +90,7 @@ class LoamResiduals {
     if (J != nullptr) set_row(*J, at, match, loss.slope * (to_base * match.axis));
   }
 
-  /// The distance from a line, along two directions across it.
+  /// Adds the distance from a line, along two directions across it.
   void add_line(const FeatureMatch& match, const Eigen::Vector3d& off, const Eigen::Matrix3d& to_base, Eigen::Index at,
                 Residuals& r, Rows* J) const {
     const Eigen::Vector3d across = off - match.axis.dot(off) * match.axis;
@@ -99,7 +99,7 @@ class LoamResiduals {
     r[at] = loss.factor * u.dot(off);
     r[at + 1] = loss.factor * v.dot(off);
     if (J == nullptr) return;
-    // The loss bends along the distance, not across it.
+    // The loss is non-linear along the distance only.
     const Eigen::Vector3d along = across.norm() > 0 ? Eigen::Vector3d(across.normalized()) : u;
     for (const Eigen::Vector3d& n : {u, v}) {
       const Eigen::Vector3d bent = loss.factor * n + (loss.slope - loss.factor) * n.dot(along) * along;
@@ -107,7 +107,7 @@ class LoamResiduals {
     }
   }
 
-  /// The derivative by the pose of what `n` (base_link axes) says of the match's weighted offset.
+  /// The derivative, by the pose, of the match's weighted offset along `n` (base_link axes).
   static void set_row(Rows& J, Eigen::Index at, const FeatureMatch& match, const Eigen::Vector3d& n) {
     J.col(at) << match.weight * n, match.weight * match.point.cross(n);
   }
@@ -125,7 +125,7 @@ class LoamResiduals {
 Vector6 solve_loam(const LoamProblem& problem) {
   const LoamResiduals residuals(problem);
   ceres::TinySolver<LoamResiduals> solver;
-  solver.options.max_num_iterations = 6;  // the first look is one; the matches change before more is worth it
+  solver.options.max_num_iterations = 6;  // the first evaluation is one; the matches change before more pays off
   solver.options.function_tolerance = 1e-4 * residuals.NumResiduals();
   Vector6 change = Vector6::Zero();
   solver.Solve(residuals, &change);

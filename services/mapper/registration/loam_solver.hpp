@@ -6,7 +6,7 @@
 
 namespace curbstone::mapper::registration {
 
-/// A feature and where the map has its like. Distances are weighed by `weight` (1 / sigma).
+/// A feature of the scan and the corresponding shape of the map. Distances are weighted by `weight` (1 / sigma).
 struct FeatureMatch {
   Eigen::Vector3d point;  ///< m, base_link
   Eigen::Vector3d mean;   ///< m, map
@@ -15,18 +15,18 @@ struct FeatureMatch {
   bool line;
 };
 
-/// What the matches and the prior together make of a pose.
+/// The least-squares problem: the matches and the prior.
 struct LoamProblem {
-  Pose T_map_base;  ///< to begin with
+  Pose T_map_base;  ///< initial guess
   std::vector<FeatureMatch> matches;
   PosePrior prior;
-  double prior_weight = 1;             ///< of the prior's squared error against one match's
-  double kernel = 1.5;                 ///< sigmas: Huber's bound
-  Matrix6 seen = Matrix6::Identity();  ///< Observability::P: other directions follow the prior
+  double prior_weight = 1;             ///< weight of the prior's squared error relative to one match's
+  double kernel = 1.5;                 ///< sigmas: the bound of the Huber kernel
+  Matrix6 seen = Matrix6::Identity();  ///< Observability::P: directions that it projects out follow the prior
 };
 
-/// The small change of the pose that fits best: robust least squares by Ceres's small
-/// dense solver. One thread; the same bits each time. Not finite where nothing can be solved.
+/// Solves for the small change of the pose, by robust least squares with Ceres's small dense solver. One thread;
+/// bit-identical on every run. The result is not finite if the problem cannot be solved.
 [[nodiscard]] Vector6 solve_loam(const LoamProblem& problem);
 
 }  // namespace curbstone::mapper::registration

@@ -8,7 +8,7 @@
 
 namespace curbstone::mapper::registration {
 
-/// The method that the config names, with an empty map. `lidar`: where it is in base_link, m.
+/// Creates the registration method that the config names, with an empty map. `lidar`: its position in base_link, m.
 [[nodiscard]] std::unique_ptr<Registration> make_registration(const config::RegistrationConfig& config,
                                                               const Eigen::Vector3d& lidar);
 

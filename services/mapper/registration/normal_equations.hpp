@@ -4,11 +4,11 @@
 
 namespace curbstone::mapper::registration {
 
-/// A pose's small change: translation, then rotation, in base_link axes: T <- T * exp_of(d).
+/// A small change of a pose: translation, then rotation, in base_link axes: T <- T * exp_of(d).
 [[nodiscard]] Vector6 log_of(const Pose& T);
 [[nodiscard]] Pose exp_of(const Vector6& d);
 
-/// Sums of one Gauss-Newton step over distances of points to the map: H d = -b.
+/// Sums of one Gauss-Newton step over point-to-map distances: H d = -b.
 struct NormalEquations {
   Matrix6 H = Matrix6::Zero();
   Vector6 b = Vector6::Zero();
@@ -18,7 +18,7 @@ struct NormalEquations {
   int found = 0;             ///< points for which the map had a shape
   int inliers = 0;
 
-  /// A distance `r` m of point `p` (base_link) along unit vector `n` (base_link axes), with weight `w`.
+  /// Adds a distance of `r` m of point `p` (base_link) along unit vector `n` (base_link axes), with weight `w`.
   void add(const Eigen::Vector3d& p, const Eigen::Vector3d& n, double r, double w) {
     Vector6 J;  // d r / d (translation, rotation)
     J << n, p.cross(n);
@@ -29,15 +29,16 @@ struct NormalEquations {
   }
 };
 
-/// Which directions the points say something about.
+/// The directions of the pose that the points constrain.
 struct Observability {
-  Matrix6 P = Matrix6::Identity();  ///< P H P^T and P b are what they say, without the directions about which: nothing
-  int degenerate = 0;               ///< as of RegistrationResult
+  Matrix6 P = Matrix6::Identity();  ///< P H P^T and P b are the equations without the unconstrained directions
+  int degenerate = 0;               ///< as in RegistrationResult
 };
 
-/// H is made free of units (rotations by the mean lever arm, all by the sum of weights): an eigenvalue is then the mean
-/// squared cosine between its direction and the constraints. Below `threshold` the direction is projected out (solution
-/// remapping, Zhang, Kaess, Singh, ICRA 2016).
+/// Computes the constrained directions. H is made unitless (rotations are divided by the mean lever arm, everything by
+/// the sum of weights): an eigenvalue is then the mean squared cosine between its direction and the constraints.
+/// Directions with an eigenvalue below `threshold` are projected out (solution remapping, Zhang, Kaess, Singh, ICRA
+/// 2016).
 [[nodiscard]] Observability observability(const NormalEquations& sum, double threshold);
 
 }  // namespace curbstone::mapper::registration

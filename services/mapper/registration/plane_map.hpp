@@ -8,29 +8,28 @@
 
 namespace curbstone::mapper::registration {
 
-/// Planes of the world at two scales: fine ones where points are dense, coarse ones where they are sparse. Pure; one
-/// thread.
+/// Map of planes at two scales: fine ones where points are dense, coarse ones where they are sparse. Pure; one thread.
 class PlaneMap {
  public:
   struct Options {
     double fine_voxel = 0.3;    ///< m
     double coarse_voxel = 1.0;  ///< m
-    double min_grazing = 0.05;  ///< as of ShapeLevelOptions
+    double min_grazing = 0.05;  ///< as in ShapeLevelOptions
   };
 
   explicit PlaneMap(const Options& options);
 
-  /// Where a point (map, m) is in the fine level: see ShapeLevel::place_of().
+  /// The place of a point (map, m) in the fine level: see ShapeLevel::place_of().
   [[nodiscard]] ShapeLevel::Place place_of(const Eigen::Vector3d& point) const { return fine_.place_of(point); }
-  /// The finest plane within reach of the point (map, m); where none is, one that is out of reach; nullptr if there is
-  /// none. The pointer lives until the next insert().
+  /// The finest plane within reach of the point (map, m). If no plane is within reach, one that is out of reach;
+  /// nullptr if there is none at all. The pointer is valid until the next insert().
   [[nodiscard]] const MapShape* plane_at(const Eigen::Vector3d& point, const ShapeLevel::Place& place, double reach);
   [[nodiscard]] const MapShape* plane_at(const Eigen::Vector3d& point, double reach) {
     return plane_at(point, place_of(point), reach);
   }
-  /// Adds the points of a scan, in base_link, seen by the lidar (there too).
+  /// Adds the points of a scan. `points` and the position `lidar` are in base_link, m.
   void insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base, const Eigen::Vector3f& lidar);
-  /// Forgets what is farther than `radius` (in any axis) from `centre`.
+  /// Drops everything farther than `radius` m (in any axis) from `centre`.
   void keep_around(const Eigen::Vector3d& centre, double radius);
   [[nodiscard]] std::size_t size() const { return fine_.size() + coarse_.size(); }  ///< voxels
 

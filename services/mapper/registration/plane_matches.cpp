@@ -6,7 +6,7 @@
 namespace curbstone::mapper::registration {
 namespace {
 
-constexpr std::size_t kBlock = 64;  // fours whose sums are added up as floats
+constexpr std::size_t kBlock = 64;  // groups of four whose sums are accumulated as floats
 constexpr float kNowhere = 1e9F;    // m: beyond any kernel's reach, for lanes without a match
 
 }  // namespace

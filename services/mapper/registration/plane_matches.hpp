@@ -9,23 +9,24 @@
 
 namespace curbstone::mapper::registration {
 
-/// How much a distance counts in one step.
+/// Weighting of the distances in one step.
 struct RobustKernel {
-  double reach;  ///< m: what is farther from its plane does not count
-  double bound;  ///< m: Huber's, at least a sigma of the match
+  double reach;  ///< m: points farther than this from their plane are ignored
+  double bound;  ///< m: bound of the Huber kernel, at least a sigma of the match
 };
 
-/// Points and the planes that they were matched to, as seen from base_link then: a step of Gauss-Newton on them is
-/// arithmetic alone, in lanes of four floats. All is relative to base_link, so floats serve wherever the map is. The
-/// sums are added up in one order: the same bits every time.
+/// Points and their corresponding planes, in base_link at the time of matching. A Gauss-Newton step on them is pure
+/// arithmetic, four floats a lane. All coordinates are relative to base_link, so floats suffice wherever the map is.
+/// The order of summation is fixed: the result is bit-identical on every run.
 class PlaneMatches {
  public:
   void clear() { fours_.clear(), size_ = 0; }
-  /// `p` m, `n` unit, in base_link; `distance` m of p along n from the plane; `variance` m^2 of such a distance.
+  /// `p` in m and unit normal `n`, in base_link; `distance`: m, of p from the plane along n; `variance`: m^2, of that
+  /// distance.
   void add(const Eigen::Vector3f& p, const Eigen::Vector3f& n, double distance, double variance);
   [[nodiscard]] std::size_t size() const { return size_; }
 
-  /// The equations once base_link has moved by `moved` since the points were matched.
+  /// The equations after base_link has moved by `moved` since the matching.
   [[nodiscard]] NormalEquations at(const Pose& moved, const RobustKernel& kernel) const;
 
  private:

@@ -13,9 +13,9 @@ namespace curbstone::mapper::registration {
 namespace {
 
 constexpr int kNeighbours = 5;      // on either side
-constexpr float kGap = 0.02F;       // rad between two points of a ring: returns are missing there
-constexpr float kRangeStep = 0.3F;  // m of range from one point to the next: one hides the other
-constexpr float kAlongRay = 0.02F;  // of the range, on both sides: the surface is nearly along the ray
+constexpr float kGap = 0.02F;       // rad between two points of a ring: larger means missing returns
+constexpr float kRangeStep = 0.3F;  // m of range between neighbouring points: beyond it one occludes the other
+constexpr float kAlongRay = 0.02F;  // of the range, on both sides: beyond it the surface is nearly parallel to the ray
 constexpr std::int8_t kUnfit = 1, kTaken = 2;
 
 /// One ring, in order of time.
@@ -50,7 +50,7 @@ class Ring {
 
   void measure() {
     const std::size_t n = points_.size();
-    std::size_t begin = 0;  // of the stretch without a gap
+    std::size_t begin = 0;  // of the current stretch without a gap
     for (std::size_t i = 0; i < n; ++i) {
       if (i + 1 < n && !broken_after(i)) continue;
       for (std::size_t k = begin; k <= i; ++k) {
@@ -112,7 +112,7 @@ class Ring {
     chosen_.clear();
   }
 
-  /// Not right beside one that was chosen.
+  /// Whether no neighbour has been chosen yet.
   [[nodiscard]] bool spaced(std::size_t i) const {
     return std::none_of(chosen_.begin(), chosen_.end(), [&](std::size_t k) { return k + 1 == i || k == i + 1; });
   }

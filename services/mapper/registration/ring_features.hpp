@@ -8,17 +8,17 @@
 
 namespace curbstone::mapper::registration {
 
-/// Points of a scan that tell where it was taken, after LOAM (Zhang, Singh, RSS 2014, section V.A).
+/// Feature points of a scan, after LOAM (Zhang, Singh, RSS 2014, section V.A).
 struct RingFeatures {
-  std::vector<scan::LidarPoint> edges;   ///< the most bent of each sector
-  std::vector<scan::LidarPoint> planes;  ///< the least bent of each sector
-  std::vector<scan::LidarPoint> smooth;  ///< all that are plane: what the map takes
+  std::vector<scan::LidarPoint> edges;   ///< the points of highest curvature of each sector
+  std::vector<scan::LidarPoint> planes;  ///< the points of lowest curvature of each sector
+  std::vector<scan::LidarPoint> smooth;  ///< all planar points: what the map takes
 };
 
-/// A point's bend is how far, in m, it stands off the mean of its ten neighbours on the ring. Left out: points without
-/// neighbours, the far side of a step in range (what hides it decides where it ends), and surfaces nearly along the
-/// ray. Points are in the lidar's axes or any that were turned since, de-skewed; `lidar` is where it was. A ring's
-/// points are put in the order of their times.
+/// Extracts the features. A point's curvature is its distance, in m, from the mean of its ten neighbours on the ring.
+/// Left out are points without neighbours, the far side of a step in range (its edge depends on the object that
+/// occludes it), and surfaces nearly parallel to the ray. Points are de-skewed, in the lidar's axes or in any that are
+/// rotated against these; `lidar` is its position in the same frame. The points of a ring are sorted by time.
 [[nodiscard]] RingFeatures ring_features(const std::vector<scan::LidarPoint>& points, const Eigen::Vector3f& lidar,
                                          const config::LoamConfig& config);
 

@@ -51,7 +51,7 @@ const MapShape* ShapeLevel::shape_at(const Eigen::Vector3d& point, const Place& 
   const Eigen::Vector3i& cell = place.cell;
   if (place.voxel != voxels::BlockIndex::kNone) return up_to_date(place.voxel, cell);
 
-  // Beside a surface, not on it: take the neighbour on the nearer side along one axis, nearest first.
+  // The point is beside a surface, not on it: take the neighbour on the nearer side along one axis, nearest axis first.
   voxels::BlockIndex::Finder find(index_);
   const Eigen::Vector3d d = point - centre_of(cell);
   std::array<int, 3> axes{0, 1, 2};
@@ -75,9 +75,9 @@ const MapShape* ShapeLevel::up_to_date(std::uint32_t voxel, const Eigen::Vector3
   return fitted.valid ? &fitted.shape : nullptr;
 }
 
-/// Sums over the 3 x 3 x 3 voxels of a neighbourhood. Each voxel's moments are about its own centre, a voxel's side
-/// away in each axis or not at all: what moving them to the middle one takes is the difference of the sums on either
-/// side, and the counts there.
+/// Sums over a 3 x 3 x 3 neighbourhood of voxels. Each voxel's moments are about its own centre, which is -1, 0 or 1
+/// voxel sides from the middle one in each axis. Shifting them to the middle voxel's centre therefore takes only the
+/// differences of the sums on either side, and the counts there.
 struct ShapeLevel::Neighbourhood {
   Eigen::Array4f first = Eigen::Array4f::Zero(), squares = first, rest = first;
   Eigen::Array4f along_x = first, along_y = first, along_z = first;
@@ -124,7 +124,7 @@ void ShapeLevel::fit(Fitted& fitted, const Eigen::Vector3i& cell) const {
   index_.around(cell, [&](std::uint32_t voxel, int dx, int dy, int dz) { sum.add(moments_[voxel], dx, dy, dz); });
   const auto count = static_cast<double>(sum.first[0]);
 
-  // A neighbourhood that hardly grew is left alone for longer and longer.
+  // A neighbourhood that hardly grew is refitted at ever longer intervals.
   const bool settled = count < 1.1 * static_cast<double>(fitted.count);
   fitted.patience = static_cast<std::int16_t>(settled ? std::min(2 * fitted.patience, 32) : 2);
   fitted.version = version_;
@@ -142,8 +142,8 @@ void ShapeLevel::fit(Fitted& fitted, const Eigen::Vector3i& cell) const {
   fitted.shape.variance = static_cast<float>(std::max(lambda[across], 0.0));
   fitted.valid = fitted.shape.axis.allFinite();
   if (options_.shape == ShapeKind::kLine) return;
-  // Where one ring passes through foliage, or grazes, its returns scatter along the rays: they lie in a plane, and a
-  // thin one, but it is the ring's own. As a constraint it would freeze the pitch.
+  // Where a single ring passes through foliage or grazes a surface, its returns scatter along the rays. They lie in a
+  // thin plane, but it is the plane of the ring. As a constraint it would freeze the pitch.
   const Eigen::Vector3f rays(sum.rest[2], sum.rest[3], sum.rays_z);
   const float grazing = std::abs(fitted.shape.axis.dot(rays)) / sum.first[0];
   fitted.valid = fitted.valid && grazing > static_cast<float>(options_.min_grazing);

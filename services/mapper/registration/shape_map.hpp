@@ -10,55 +10,55 @@ namespace curbstone::mapper::registration {
 
 enum class ShapeKind { kPlane, kLine };
 
-/// A piece of surface, or of an edge, in map.
+/// A plane patch or an edge, in map.
 struct MapShape {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Vector3f axis = Eigen::Vector3f::Zero();  ///< unit: a plane's normal, a line's direction; of either sign
-  float variance = 0;                              ///< m^2, of the points about it, in the worst direction
+  float variance = 0;                              ///< m^2, of the points about the shape, in the worst direction
 };
 
-/// How finely a level of the map looks, and what passes for a plane or a line there.
+/// Resolution of a level of the map, and the criteria for a plane or a line there.
 struct ShapeLevelOptions {
   ShapeKind shape = ShapeKind::kPlane;
   double voxel = 0.3;         ///< m
-  int capacity = 40;          ///< points of a voxel; more are not taken, so that the map stays where it was built
-  int min_points = 6;         ///< in the 3 x 3 x 3 voxels that a shape is fitted to
+  int capacity = 40;          ///< points of a voxel; further ones are ignored, so that the map does not drift
+  int min_points = 6;         ///< in the 3 x 3 x 3 voxels that the shape is fitted to
   double max_flatness = 0.1;  ///< eigenvalue of the covariance across the shape, over the next larger one along it
-  double min_width = 0.12;    ///< m: root of the latter; a plane of less is a line, a line of less a point
-  double min_grazing = 0.05;  ///< sine of the angle at which rays must have met a plane, in the mean: see fit()
+  double min_width = 0.12;  ///< m: root of that larger eigenvalue; a narrower plane is a line, a narrower line a point
+  double min_grazing = 0.05;  ///< sine of the mean angle at which rays met the plane: see fit()
 };
 
-/// The world as planes, or as lines, in a lattice of voxels. A voxel keeps count, sum and sum of squares of its points;
-/// the shape of a voxel is fitted to these moments over its 3 x 3 x 3 neighbourhood, which are plain sums: nothing is
-/// ever rebuilt, and a point costs the same on the first day as on the last. Pure; one thread.
+/// Voxel map of planes, or of lines. A voxel keeps count, sum and sum of squares of its points. A voxel's shape is
+/// fitted to the moments of its 3 x 3 x 3 neighbourhood, which are plain sums: nothing is ever rebuilt, and the cost of
+/// a point does not grow with the drive. Pure; one thread.
 class ShapeLevel {
  public:
   explicit ShapeLevel(const ShapeLevelOptions& options);
 
   /// `ray`: unit vector from the lidar to the point, in map.
   void insert(const Eigen::Vector3d& point, const Eigen::Vector3f& ray);
-  /// Call after the points of a scan: what was fitted before it may now be stale.
+  /// To be called after the points of a scan: shapes that were fitted before it may be stale.
   void end_insertion() { ++version_; }
 
   /// The voxel that holds a point.
   struct Place {
     Eigen::Vector3i cell = Eigen::Vector3i::Zero();
-    std::uint32_t voxel = voxels::BlockIndex::kNone;  // none there yet
+    std::uint32_t voxel = voxels::BlockIndex::kNone;  // none exists yet
   };
-  /// Its shape is on the way from memory: to be asked for some points later.
+  /// Looks up the voxel and prefetches its shape, which is requested some points later.
   [[nodiscard]] Place place_of(const Eigen::Vector3d& point) const;
 
-  /// The shape of the voxel that holds the point, or of the nearest one beside it; nullptr if there is none.
-  /// The pointer lives until the next insert().
+  /// The shape of the voxel that holds the point, or of the nearest neighbouring voxel; nullptr if there is none. The
+  /// pointer is valid until the next insert().
   [[nodiscard]] const MapShape* shape_at(const Eigen::Vector3d& point) { return shape_at(point, place_of(point)); }
   [[nodiscard]] const MapShape* shape_at(const Eigen::Vector3d& point, const Place& place);
 
-  /// Forgets voxels farther than `radius` (in any axis) from `centre`, to within 2 voxels.
+  /// Drops voxels farther than `radius` m (in any axis) from `centre`, to within 2 voxels.
   void keep_around(const Eigen::Vector3d& centre, double radius);
   [[nodiscard]] std::size_t size() const { return moments_.size() - free_.size(); }
 
  private:
-  /// In the order in which they are added up four at a time. Offsets are from the voxel's centre.
+  /// Laid out so that four are added at a time. Offsets are from the voxel's centre.
   struct alignas(64) Moments {
     Eigen::Array4f first = Eigen::Array4f::Zero();    // count, sum of x y z
     Eigen::Array4f squares = Eigen::Array4f::Zero();  // sums of xx yy zz xy
@@ -68,10 +68,10 @@ class ShapeLevel {
   struct Neighbourhood;
   struct alignas(64) Fitted {
     MapShape shape;
-    std::int32_t version = -1;  // at which the shape was fitted
-    std::int16_t patience = 1;  // versions until it is looked at again
+    std::int32_t version = -1;  // of the level when the shape was fitted
+    std::int16_t patience = 1;  // versions until the shape is checked again
     bool valid = false;
-    float count = 0;  // of points that it was fitted to
+    float count = 0;  // of the points that the shape was fitted to
   };
 
   [[nodiscard]] Eigen::Vector3d centre_of(const Eigen::Vector3i& cell) const;
@@ -83,9 +83,9 @@ class ShapeLevel {
   double inverse_size_;
   std::int32_t version_ = 0;
   voxels::BlockIndex index_;
-  std::vector<Moments> moments_;     // of each voxel
-  std::vector<Fitted> fitted_;       // likewise
-  std::vector<std::uint32_t> free_;  // voxels that were forgotten
+  std::vector<Moments> moments_;     // by voxel
+  std::vector<Fitted> fitted_;       // by voxel
+  std::vector<std::uint32_t> free_;  // voxels that were dropped
 };
 
 }  // namespace curbstone::mapper::registration

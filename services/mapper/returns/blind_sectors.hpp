@@ -9,11 +9,11 @@
 
 namespace curbstone::mapper::returns {
 
-/// Finds directions from which nothing comes back any more: mud or a leaf on the window, something that hangs before
-/// it. A sector is blind that returned in kSteady revolutions of a vehicle on the move, and then in kBlind in a row
-/// next to nothing from beyond kNear, though most others did; until it returns as much again. One that never returned
-/// is the vehicle's own: nothing is said of it. Status only. A function of the calls. Pure; one thread. Counters:
-/// faults.blind_sector (sectors that became so).
+/// Finds directions without returns: mud or a leaf on the window, or something that hangs in front of it. A sector is
+/// blind if it had returns in kSteady revolutions of a moving vehicle, and then hardly any from beyond kNear in kBlind
+/// in a row, while most others had; it is blind until it has had returns as often again. A sector that never had
+/// returns faces the vehicle itself and is not reported. Status only. A function of the calls. Pure; one thread.
+/// Counters: faults.blind_sector (sectors that became blind).
 class BlindSectors {
  public:
   static constexpr int kSectors = 36;
@@ -21,9 +21,9 @@ class BlindSectors {
   static constexpr int kBlind = 50;     ///< looks
   static constexpr float kNear = 0.8F;  ///< m
 
-  /// Once for every 0.2 m or so that the vehicle moves.
+  /// To be called once per 0.2 m or so of motion.
   void look(const scan::Scan& scan);
-  /// 10 deg each, by their middle: deg to the left of the LiDAR's x.
+  /// Blind sectors of 10 deg each, by their centre: deg to the left of the LiDAR's x.
   [[nodiscard]] std::vector<int> blind() const;
   void add_faults(std::vector<std::string>& faults) const;
   [[nodiscard]] const Counters& counters() const { return counters_; }

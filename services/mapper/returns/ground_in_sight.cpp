@@ -11,22 +11,22 @@
 namespace curbstone::mapper::returns {
 namespace {
 
-constexpr float kOwn = 0.3F;       // m from the LiDAR: nearer is its own window
-constexpr float kUneven = 0.15F;   // m that the ground is off z = 0 anywhere,
-constexpr float kSlope = 0.06F;    // and more with the distance
-constexpr float kTall = 0.15F;     // m above that: no ground
-constexpr float kOverhead = 2.2F;  // m: what is higher hides no ground
-constexpr float kBefore = 1.0F;    // m before something tall that is surely not it
-constexpr int kFewReturns = 15;    // of a sector: it is hidden by the vehicle, or not asked for
+constexpr float kOwn = 0.3F;       // m from the LiDAR: closer returns are of its own window
+constexpr float kUneven = 0.15F;   // m by which ground may be off z = 0 anywhere,
+constexpr float kSlope = 0.06F;    // and more per metre of distance
+constexpr float kTall = 0.15F;     // m above that: not ground
+constexpr float kOverhead = 2.2F;  // m: objects higher than this hide no ground
+constexpr float kBefore = 1.0F;    // m in front of a tall object: a closer return may be part of the object
+constexpr int kFewReturns = 15;    // of a sector: the vehicle hides it, or it is not scanned
 constexpr int kGround = 8;         // returns: a third of one laser's
-constexpr int kLeastOpen = 6;      // sectors, for a look to say something
+constexpr int kLeastOpen = 6;      // sectors that a look needs
 constexpr int kLeastAhead = 2;     // sectors
 constexpr int kAheadSectors = 4;   // to each side of x
 
 struct Sector {
   int returns = 0;
   float tall = std::numeric_limits<float>::infinity();  // m
-  std::vector<float> ground;                            // m, as far as its height tells
+  std::vector<float> ground;                            // m, up to which its height identifies it
 };
 
 std::size_t sector_of(const Eigen::Vector3f& p) {
@@ -41,7 +41,7 @@ GroundInSight::GroundInSight(const Pose& T_base_lidar)
       open_until_(std::max(12.0F, 5.0F * T_base_lidar_.translation().z())),
       far_(std::max(20.0F, 8.0F * T_base_lidar_.translation().z())) {}
 
-/// True when the ground has just been lost.
+/// Returns true when the ground has just been lost.
 bool GroundInSight::Sight::loses(int now_open, int now_seeing) {
   constexpr double kKept = 1.0 - 1.0 / kLooks;
   open = kKept * open + now_open;
@@ -85,7 +85,7 @@ void GroundInSight::look(const scan::Scan& scan, bool moved) {
   if (lost || lost_ahead) counters_.add("faults.no_ground");
 }
 
-/// Returns of the ground that nothing tall stands before, as if the LiDAR hung the other way round if `upside_down`.
+/// Counts ground returns in front of tall objects, as if the LiDAR hung the other way round if `upside_down`.
 std::ptrdiff_t GroundInSight::count_ground(const scan::Scan& scan, bool upside_down) const {
   const float lidar = T_base_lidar_.translation().z();
   std::array<float, kSectors> tall;

@@ -14,25 +14,25 @@ namespace curbstone::mapper::returns {
 namespace {
 
 constexpr int kDirections = 180;
-constexpr int kAllAround = 60;       // directions in which three lasers see the ground, and agree: enough for a vehicle
-constexpr int kInPart = 30;          // that stands, and for one that moves
+constexpr int kAllAround = 60;       // directions in which three lasers see the ground and agree, for a vehicle that
+constexpr int kInPart = 30;          // stands, and for one that moves
 constexpr double kAgree = 0.002;     // rad, with the median
-constexpr float kLeastRange = 1.0F;  // m: not the vehicle itself
+constexpr float kLeastRange = 1.0F;  // m: closer returns are of the vehicle itself
 constexpr float kMostRange = 25.0F;  // m
-constexpr float kMostSlope = 0.15F;  // of what may be ground,
-constexpr float kMostStep = 0.3F;    // with an error of the middle laser in it
-constexpr float kLeastStep = 0.03F;  // share of the distance: what stands upright is as far for all three
+constexpr float kMostSlope = 0.15F;  // of possible ground,
+constexpr float kMostStep = 0.3F;    // with an error of the middle laser included
+constexpr float kLeastStep = 0.03F;  // share of the distance: an upright surface is equally far for all three
 constexpr std::size_t kLeastTriples = 3;
-constexpr double kUnexplained = 0.0006;  // rad: more is left by whatever explains it worse
+constexpr double kUnexplained = 0.0006;  // rad: least lead in rest of the best explanation over the next
 constexpr double kAlike = 0.0015;        // rad, between looks
 
-/// Of what one laser sees in one direction.
+/// The return of one laser in one direction.
 struct Return {
   float distance = 0;  // m, level; 0: none
   float height = 0;    // m
 };
 
-/// Three lasers above each other: what the middle one's elevation is off by, in terms of the lower and the upper one's.
+/// Three lasers above each other: the error of the middle one's elevation against the lower and the upper one.
 struct Triple {
   std::size_t ring = 0;  // the middle one
   double lower = 0;      // weights
@@ -93,7 +93,7 @@ std::optional<Triple> triple_at(const std::vector<Return>& returns, std::size_t 
   return triple;
 }
 
-/// How much of a triple's being off an error of 1 rad of a laser makes.
+/// The share of a laser's error that appears in a triple.
 double weight(const Triple& triple, std::size_t ring) {
   if (ring == triple.ring) return 1;
   if (ring + 1 == triple.ring) return -triple.lower;
@@ -103,7 +103,7 @@ double weight(const Triple& triple, std::size_t ring) {
 struct Explanation {
   std::size_t ring = 0;
   double error = 0;  // rad
-  double rest = 0;   // rad: what it leaves, root of the sum of squares
+  double rest = 0;   // rad: unexplained rest, root of the sum of squares
 };
 
 Explanation explain(const std::vector<Triple>& triples, std::size_t ring) {
@@ -118,7 +118,7 @@ Explanation explain(const std::vector<Triple>& triples, std::size_t ring) {
   return {ring, along / weights, std::sqrt(std::max(all - along * along / weights, 0.0))};
 }
 
-/// The one laser that explains most, if none explains nearly as much.
+/// The laser that explains most, if no other explains nearly as much.
 std::optional<Explanation> likeliest(const std::vector<Triple>& triples) {
   Explanation best{0, 0, 1e9}, second = best;
   for (std::size_t ring = triples.front().ring - 1; ring <= triples.back().ring + 1; ++ring) {
@@ -145,7 +145,7 @@ void LaserElevations::look(const scan::Scan& scan, bool moved) {
   if (triples.size() < kLeastTriples) return;
   const auto found = likeliest(triples);
   const double error = found && std::abs(found->error) > kRight ? found->error : 0;
-  // What one laser does not explain is not one laser: the ground is not even, or the angles are another device's.
+  // A rest that one laser does not explain means uneven ground, or another device's angles.
   for (const Triple& triple : triples) {
     if (std::abs(triple.off - (error != 0 ? weight(triple, found->ring) * error : 0)) > kRight) return;
   }

@@ -9,13 +9,13 @@
 namespace curbstone::mapper::returns {
 namespace {
 
-constexpr float kBeside = 2.5e-4F;     // s between shots that look nearly the same way
+constexpr float kBeside = 2.5e-4F;     // s between shots in nearly the same direction
 constexpr std::size_t kBesides = 2;    // shots of the same laser to either side
-constexpr std::size_t kMostNear = 64;  // returns of another laser; some 20 are, but not where all have one time
+constexpr std::size_t kMostNear = 64;  // returns of another laser; usually some 20, but more if all have the same time
 constexpr float kSame = 0.1F;          // m between ranges of one surface,
 constexpr float kSameShare = 0.06F;    // and of the range
-constexpr float kApart = 3.0F;         // times that, between ranges of two
-constexpr std::size_t kLeast = 500;    // returns that a share is of
+constexpr float kApart = 3.0F;         // factor on that: least difference of ranges of two surfaces
+constexpr std::size_t kLeast = 500;    // returns for a share to be meaningful
 
 float alike(float range) {
   return kSame + kSameShare * range;
@@ -32,13 +32,13 @@ void StrayReturns::Rings::sort(const std::vector<scan::LidarPoint>& points) {
   }
 }
 
-/// Looks at the returns in order, and for each at those beside it.
+/// Neighbourhood tests; the returns are visited in order.
 class StrayReturns::Neighbours {
  public:
   Neighbours(const std::vector<scan::LidarPoint>& points, const Rings& rings, std::size_t ring)
       : points_(points), rings_(rings), ring_(ring) {}
 
-  /// Whether something of the same laser stands beside the k-th.
+  /// Whether a return of the same laser is near the k-th.
   [[nodiscard]] bool has_beside(std::size_t k) const {
     const std::vector<std::uint32_t>& own = rings_.of[ring_];
     const std::size_t first = k - std::min(k, kBesides);
@@ -48,7 +48,7 @@ class StrayReturns::Neighbours {
     }
     return false;
   }
-  /// Whether the two next to the k-th agree with each other, and it with neither.
+  /// Whether the two neighbours of the k-th agree with each other, but not with it.
   [[nodiscard]] bool is_out_of_line(std::size_t k) const {
     const std::vector<std::uint32_t>& own = rings_.of[ring_];
     if (k == 0 || k + 1 >= own.size()) return false;
@@ -57,7 +57,7 @@ class StrayReturns::Neighbours {
     const float nearer = std::min(rings_.range[own[k]], rings_.range[before]);
     return std::abs(rings_.range[own[k]] - rings_.range[before]) > kApart * alike(nearer);
   }
-  /// Whether something of the lasers above or below stands beside the k-th. `k` must not go back.
+  /// Whether a return of the lasers above or below is near the k-th. `k` must not decrease.
   [[nodiscard]] bool has_above_or_below(std::size_t k) {
     const std::uint32_t point = rings_.of[ring_][k];
     return (ring_ > 0 && has_in(ring_ - 1, at_below_, point)) || (ring_ < 255 && has_in(ring_ + 1, at_above_, point));

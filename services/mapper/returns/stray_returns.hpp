@@ -10,16 +10,16 @@
 
 namespace curbstone::mapper::returns {
 
-/// Finds out when drops, flakes, dust or exhaust, or mirror images in a wet road, are among the returns, and takes them
-/// out while they are: in the map they are obstacles all over the road, and holes in it.
+/// Detects drops, flakes, dust, exhaust, or mirror images in a wet road, and removes their returns: in the map these
+/// would be obstacles all over the road, and holes in it.
 ///
-/// A return is stray where those beside it, of the same laser, agree with each other and not with it, and where those
-/// of the lasers above and below are not beside it either: a thing that one beam alone meets, before or behind a
-/// surface. In dry air less than one in a thousand is. Where more than kMany of the returns within kReach are for
-/// kLooks revolutions in a row, all that nothing stands beside are taken out, until fewer than kFew are. What stands on
-/// its own and is narrower than two beams (a wire, a twig) goes with them, for as long.
+/// A return is stray if its neighbours of the same laser agree with each other but not with it, and if no return of the
+/// lasers above and below is near it either: something that a single beam meets, in front of or behind a surface. In
+/// dry air, less than one return in a thousand is stray. If more than kMany of the returns within kReach are, for
+/// kLooks revolutions in a row, all returns without a near neighbour are removed, until fewer than kFew are stray.
+/// Isolated objects narrower than two beams (a wire, a twig) are removed with them during that time.
 ///
-/// A function of the scans alone. Pure; one thread. Counters: withheld.stray, strays (times that it began).
+/// A function of the scans alone. Pure; one thread. Counters: withheld.stray, strays (times that removal began).
 class StrayReturns {
  public:
   static constexpr float kReach = 25.0F;  ///< m
@@ -27,16 +27,16 @@ class StrayReturns {
   static constexpr double kFew = 0.002;
   static constexpr int kLooks = 20;  ///< revolutions
 
-  /// Judges a revolution, and takes what is stray out of it where there is much.
+  /// Judges a revolution, and removes its stray returns while removal is on.
   void filter(scan::Scan& scan);
   [[nodiscard]] bool filters() const { return filters_; }
-  /// Of the last revolution: share of the returns within kReach.
+  /// Share of stray returns within kReach, in the last revolution.
   [[nodiscard]] double share() const { return share_; }
   void add_faults(std::vector<std::string>& faults) const;
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
-  /// The returns of each laser, in the order in which they were taken. Kept for the sake of its memory.
+  /// The returns of each laser, in order of time. Kept to reuse its memory.
   struct Rings {
     std::vector<float> range;  // m, by the point's index
     std::array<std::vector<std::uint32_t>, 256> of;
@@ -48,7 +48,7 @@ class StrayReturns {
 
   Rings rings_;
   double share_ = 0;
-  int looks_ = 0;  // in a row that say the other thing
+  int looks_ = 0;  // in a row that contradict `filters_`
   bool filters_ = false;
   Counters counters_;
 };

@@ -5,7 +5,7 @@
 namespace curbstone::mapper::scan {
 namespace {
 
-constexpr voxels::VoxelKey kFree = ~voxels::VoxelKey{0};  // no key: those have 63 bits
+constexpr voxels::VoxelKey kFree = ~voxels::VoxelKey{0};  // never a key: keys have 63 bits
 
 }  // namespace
 
@@ -14,7 +14,8 @@ std::vector<LidarPoint> downsample(const std::vector<LidarPoint>& points, double
   const auto max2 = static_cast<float>(max_range * max_range);
   std::size_t capacity = 16;
   while (capacity < 2 * points.size()) capacity *= 2;
-  std::vector<voxels::VoxelKey> taken(capacity, kFree);  // open addressing: keys alone, half as large as a FlatIndex
+  std::vector<voxels::VoxelKey> taken(capacity,
+                                      kFree);  // open addressing with keys alone: half the size of a FlatIndex
   const auto take = [&](voxels::VoxelKey key) {
     std::size_t i = voxels::FlatIndex::hash(key) & (capacity - 1);
     while (taken[i] != kFree && taken[i] != key) i = (i + 1) & (capacity - 1);

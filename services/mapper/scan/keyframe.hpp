@@ -16,7 +16,7 @@
 
 namespace curbstone::mapper::scan {
 
-/// A point of a kept scan, in base_link, in kPositionStep: 65 m reach either way.
+/// A point of a keyframe in base_link, in units of kPositionStep: reaches 65 m either way.
 struct KeyframePoint {
   std::int16_t x = 0;
   std::int16_t y = 0;
@@ -24,7 +24,7 @@ struct KeyframePoint {
   bool operator==(const KeyframePoint&) const = default;
 };
 
-/// Nothing beyond the reach of int16.
+/// Quantises a point; nothing if it is beyond the range of int16.
 [[nodiscard]] inline std::optional<KeyframePoint> pack(const Eigen::Vector3f& point) {
   const Eigen::Array3f steps = (point.array() / static_cast<float>(kPositionStep)).round();
   if (!(steps.abs() <= 32767.0F).all()) return std::nullopt;
@@ -36,44 +36,43 @@ struct KeyframePoint {
   return static_cast<float>(kPositionStep) * Eigen::Vector3f(point.x, point.y, point.z);
 }
 
-/// As registration takes points.
+/// Converts the points to what registration takes.
 [[nodiscard]] inline std::vector<LidarPoint> unpack(const std::vector<KeyframePoint>& points) {
   std::vector<LidarPoint> unpacked(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) unpacked[i].position = unpack(points[i]);
   return unpacked;
 }
 
-/// The points of a kept scan, which may be put away, out of memory. They do not change, and copies share them.
+/// The points of a keyframe, in memory or spilled to a file. They are immutable; copies share them.
 class KeyframePoints {
  public:
   using Points = std::vector<KeyframePoint>;
   KeyframePoints() = default;
-  KeyframePoints(Points points)  // NOLINT(google-explicit-constructor): they are what it is
+  KeyframePoints(Points points)  // a list of points is one by itself
       : here_(std::make_shared<const Points>(std::move(points))), size_(here_->size()) {}
 
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] bool empty() const { return size_ == 0; }
-  /// To look at. Of points that are away they are read from the file and unpacked, anew with each call. None if the
-  /// file does not give them back. Never null.
+  /// The points, for reading. If they are spilled, each call reads them from the file and unpacks them. Empty if
+  /// the file cannot be read. Never null.
   [[nodiscard]] std::shared_ptr<const Points> read() const;
-  /// As read() gives them: for several looks.
+  /// A copy that holds the points as read() gives them, for repeated access.
   [[nodiscard]] KeyframePoints in_memory() const;
-  /// Nothing if they are away, or none.
+  /// Spills the points to the file. Does nothing if they are spilled already, or if there are none.
   void put_away(SpillFile& file);
   [[nodiscard]] bool is_away() const { return !away_.empty(); }
-  /// Away, and not in memory in any form.
+  /// Spilled, and in memory in no form.
   [[nodiscard]] bool is_in_file() const { return away_.is_in_file(); }
   bool operator==(const KeyframePoints& other) const { return size_ == other.size_ && *read() == *other.read(); }
 
  private:
-  std::shared_ptr<const Points> here_;  // null: none, or away
+  std::shared_ptr<const Points> here_;  // null: none, or spilled
   SpillFile::Values away_;
   std::size_t size_ = 0;
 };
 
-/// A place on the drive from which the surroundings are remembered: one thinned scan and where it was taken.
-/// Whatever must be built anew (the map for registration after a loop was closed, after a rollback, from a saved map)
-/// is built from these; the pose graph moves them.
+/// A keyframe of the drive: one downsampled scan and its pose. Whatever is rebuilt (the map for registration after a
+/// loop closure, after a rollback, or from a saved map) is rebuilt from keyframes. The pose graph moves them.
 struct Keyframe {
   std::int64_t utime = 0;  ///< us, end of its scan
   Pose T_map_base = Pose::Identity();

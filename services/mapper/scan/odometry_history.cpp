@@ -7,8 +7,8 @@ namespace curbstone::mapper::scan {
 
 namespace {
 
-constexpr std::int64_t kMeasured = 30'000;    // us of samples that tell how the motion goes on
-constexpr std::int64_t kShortestGap = 4'000;  // us: at 400 Hz one sample
+constexpr std::int64_t kMeasured = 30'000;    // us of samples from which the motion is extrapolated
+constexpr std::int64_t kShortestGap = 4'000;  // us: one sample at 400 Hz
 
 }  // namespace
 
@@ -86,7 +86,7 @@ bool OdometryHistory::is_clock_step(std::size_t i, std::size_t known) const {
   const auto moved = [this](std::size_t j) {
     return (samples_[j + 1].T_odom_base.translation() - samples_[j].T_odom_base.translation()).norm();
   };
-  for (const std::size_t beside : {i - 1, i + 1}) {  // i - 1 of 0 is none, too
+  for (const std::size_t beside : {i - 1, i + 1}) {  // for i = 0, i - 1 wraps and is rejected as well
     if (beside >= known - 1 || samples_[beside + 1].utime - samples_[beside].utime > kMaxGap) continue;
     const double speed = moved(beside) / seconds(samples_[beside].utime, samples_[beside + 1].utime);
     return moved(i) <= 0.5 * speed * gap + kStands;
@@ -105,7 +105,8 @@ Pose OdometryHistory::at(std::int64_t utime) const {
   return interpolate(a.T_odom_base, b.T_odom_base, fraction);
 }
 
-/// From the `last` sample on. Its motion is that of a few, which a correction by the filter does not bend much.
+/// Extrapolates from the sample `last`. The motion is averaged over a few samples, so that a correction by the filter
+/// has little effect on it.
 Pose OdometryHistory::beyond(std::size_t last, std::int64_t utime) const {
   const OdometrySample& end = samples_[last];
   const std::size_t before = last > 0 && end.utime - samples_[last - 1].utime <= kMaxGap ? last - 1 : last;

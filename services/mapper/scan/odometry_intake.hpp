@@ -8,11 +8,11 @@
 
 namespace curbstone::mapper::scan {
 
-/// Nothing where the message is no pose at a time.
+/// Converts the message; nothing if it is not a valid pose at a valid time.
 [[nodiscard]] std::optional<OdometrySample> sample_of(const odometry_t& message);
 
-/// Adds what ODOMETRY says to the history. False, and counted as refused.odometry, where it is no pose at a time. Late
-/// samples and clocks that jump are counted too: dropped.odometry_late, odometry.clock_jumps.
+/// Adds an ODOMETRY message to the history. Returns false and counts refused.odometry if it is not a valid pose at a
+/// valid time. Also counts late samples and clock jumps: dropped.odometry_late, odometry.clock_jumps.
 bool take_odometry(const odometry_t& message, OdometryHistory& history, Counters& counters);
 
 }  // namespace curbstone::mapper::scan

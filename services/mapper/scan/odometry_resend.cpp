@@ -7,7 +7,7 @@
 namespace curbstone::mapper::scan {
 namespace {
 
-constexpr std::int64_t kBeforeScan = 50'000;  // us of odometry that extrapolation may look at
+constexpr std::int64_t kBeforeScan = 50'000;  // us of odometry before a scan that extrapolation may use
 
 }  // namespace
 

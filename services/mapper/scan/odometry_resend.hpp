@@ -11,9 +11,9 @@
 
 namespace curbstone::mapper::scan {
 
-/// Odometry that is missing from a history, for it was lost on the bus, is asked for, and a scan that needs it waits:
-/// kPatience without any of it, or kShortPatience where interpolation makes up for it, as ResendClient counts it. Pure;
-/// one thread.
+/// Requests odometry that was lost on the bus, and holds back a scan that needs it. The scan waits kPatience without
+/// any of the missing samples arriving, or kShortPatience where interpolation makes up for them, as ResendClient counts
+/// it. Pure; one thread.
 ///
 /// Counters: odometry.resent (samples that came again), odometry.not_resent (gaps that were given up).
 class OdometryResend {
@@ -25,11 +25,11 @@ class OdometryResend {
   OdometryResend(Publisher& bus, const std::string& requester, OdometryHistory& history)
       : client_(bus, requester, "ODOMETRY"), history_(history) {}
 
-  /// A sample that was sent again, for whomever.
+  /// Takes a sample that was sent again, no matter who requested it.
   void hear_again(const odometry_t& message);
-  /// Each 20 ms: asks for what is missing. `now`, us, only paces.
+  /// Called every 20 ms: requests what is missing. `now`, us, only sets the pace of requests.
   void tick(std::int64_t now);
-  /// Whether this scan, the next to be processed, waits.
+  /// Whether this scan, the next to be processed, must wait for odometry.
   [[nodiscard]] bool is_waited_for(const Scan& scan);
 
   [[nodiscard]] const Counters& counters() const { return counters_; }
@@ -37,9 +37,9 @@ class OdometryResend {
  private:
   ResendClient client_;
   OdometryHistory& history_;
-  std::int64_t from_ = 0;      // us: gaps before this no longer matter
-  std::int64_t gap_from_ = 0;  // us: where the gap that is waited for begins
-  std::int64_t waited_ = 0;    // us, for it
+  std::int64_t from_ = 0;      // us: gaps before this are irrelevant
+  std::int64_t gap_from_ = 0;  // us: start of the gap that is waited for
+  std::int64_t waited_ = 0;    // us, waited for this gap
   std::int64_t ticked_ = 0;    // us
   Counters counters_;
 };

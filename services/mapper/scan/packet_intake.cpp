@@ -6,7 +6,7 @@
 namespace curbstone::mapper::scan {
 namespace {
 
-constexpr std::int64_t kMostPackets = 100'000;  // a larger step of the numbers is no loss
+constexpr std::int64_t kMostPackets = 100'000;  // a larger step of the sequence numbers is not a loss
 
 bool is_next(std::int32_t number, std::int32_t before) {
   return std::int64_t{number} == std::int64_t{before} + 1;
@@ -14,7 +14,7 @@ bool is_next(std::int32_t number, std::int32_t before) {
 
 }  // namespace
 
-/// Whether it is a later packet of the same driver, of which some before may be had.
+/// Whether the packet is a later one of the same driver, with missing packets before it that may be requested.
 bool PacketIntake::is_gap_before(const lidar_points_t& packet) const {
   if (!last_)
     return begin_after_ && packet.utime > *begin_after_ + 1 &&
@@ -25,13 +25,13 @@ bool PacketIntake::is_gap_before(const lidar_points_t& packet) const {
 }
 
 bool PacketIntake::is_of_another(const lidar_points_t& packet) const {
-  constexpr std::int32_t kNearEnd = 0x7FFFFFFF - 1000;  // the numbers begin anew behind it
+  constexpr std::int32_t kNearEnd = 0x7FFFFFFF - 1000;  // the sequence numbers wrap after it
   return last_ && packet.packet <= last_->number && last_->number < kNearEnd && packet.utime > last_->utime &&
          packet.utime - last_->utime < kRestart;
 }
 
-/// A packet that follows the last one, and is later than what waits behind a gap with higher numbers: that was not of
-/// the same driver.
+/// Drops held packets of another driver: the packet follows the last one that was passed on and is later than packets
+/// that wait behind a gap with higher numbers, so those are not of the same driver.
 void PacketIntake::refuse_held_of_another(const lidar_points_t& packet) {
   if (!last_ || packet.packet <= last_->number || packet.utime <= last_->utime) return;
   while (!held_.empty() && held_.back().packet > packet.packet && held_.back().utime < packet.utime) {
@@ -42,7 +42,7 @@ void PacketIntake::refuse_held_of_another(const lidar_points_t& packet) {
 }
 
 void PacketIntake::hear(const lidar_points_t& packet, const Handler& hand_on) {
-  if (packet.utime <= 0) return hand_on(packet);  // to be refused
+  if (packet.utime <= 0) return hand_on(packet);  // the receiver refuses it
   newest_ = packet.utime;
   if (is_of_another(packet)) {
     another_ = packet.utime;
@@ -54,7 +54,7 @@ void PacketIntake::hear(const lidar_points_t& packet, const Handler& hand_on) {
     return hold(packet);
   }
   const bool is_late = last_ && packet.packet <= last_->number && packet.utime <= last_->utime;
-  if (is_late) return hand_on(packet);  // a duplicate, or overtaken on its way
+  if (is_late) return hand_on(packet);  // a duplicate, or overtaken by later packets
   if (!last_ || !is_next(packet.packet, last_->number)) release(hand_on);
   pass(packet, hand_on);
   pass_held(hand_on);
@@ -76,10 +76,10 @@ void PacketIntake::hear_again(const lidar_points_t& packet, const Handler& hand_
     pass(packet, hand_on);
     pass_held(hand_on);
   }
-  client_.ask(ticked_, missing());  // of the next gap
+  client_.ask(ticked_, missing());  // for the next gap
 }
 
-/// The first held packet with this number or a later one.
+/// The first held packet with this sequence number or a later one.
 std::deque<lidar_points_t>::iterator PacketIntake::place_of(std::int32_t number) {
   const auto by_number = [](const lidar_points_t& held, std::int32_t n) { return held.packet < n; };
   return std::lower_bound(held_.begin(), held_.end(), number, by_number);
@@ -120,7 +120,7 @@ void PacketIntake::tick(std::int64_t now, const Handler& hand_on) {
   client_.ask(ticked_ = now, missing());
 }
 
-/// One gap at a time: what lies behind it may still have others.
+/// Gives up one gap; further gaps may follow behind it.
 void PacketIntake::give_up(const Handler& hand_on) {
   client_.gave_up(newest_);
   counters_.add("lidar.not_resent");

@@ -8,24 +8,24 @@
 
 namespace curbstone::mapper::scan {
 
-/// Where registration and odometry had the vehicle at the ends of the revolutions of the last second: what they say of
-/// the motion since the oldest of them is compared. Pure; one thread.
+/// Poses by registration and by odometry at the ends of the revolutions of the last second, to compare the motion since
+/// the oldest of them. Pure; one thread.
 class PosePairs {
  public:
   static constexpr std::int64_t kSpan = 1'000'000;  ///< us
-  /// rad about the vertical, over kSpan. A gyro whose scale is right and a registration that does not slide are tenths
-  /// of a degree apart.
+  /// rad about the vertical, over kSpan. A correctly scaled gyro and a registration that does not slide differ by
+  /// tenths of a degree.
   static constexpr double kMostTurn = 0.0175;
 
-  /// A clock that was set back begins anew.
+  /// Adds a pair. If the clock was set back, the history starts again.
   void add(std::int64_t utime, const Pose& T_map_base, const Pose& T_odom_base);
   void clear() { places_.clear(); }
   [[nodiscard]] bool empty() const { return places_.empty(); }
-  /// us, of the newest; there must be one. So of the following.
+  /// us, of the newest pair. This and the following require at least one pair.
   [[nodiscard]] std::int64_t newest() const { return places_.back().utime; }
-  /// How much more the vehicle has turned by the map than by odometry, as a rotation vector in base_link, rad.
+  /// The turn by the map less the turn by odometry, as a rotation vector in base_link, rad.
   [[nodiscard]] Eigen::Vector3d turned_apart(const Pose& T_map_base, const Pose& T_odom_base) const;
-  /// Where odometry has led from the oldest place.
+  /// The pose in map that odometry predicts, starting from the oldest pair.
   [[nodiscard]] Pose by_odometry(const Pose& T_odom_base) const;
 
  private:

@@ -7,7 +7,7 @@
 namespace curbstone::mapper::scan {
 namespace {
 
-constexpr float kMaxTimeOffset = 0.1F;  // s; a packet of the slowest scan lasts 5 ms
+constexpr float kMaxTimeOffset = 0.1F;  // s; a packet of the slowest revolution lasts 5 ms
 
 bool well_formed(const lidar_points_t& m) {
   const auto n = static_cast<std::size_t>(std::max(m.num_points, 0));
@@ -26,13 +26,13 @@ std::optional<Scan> ScanAssembler::add(const lidar_points_t& packet) {
   if (!current_) return restart_with(packet);
 
   const std::int64_t ahead = packet.utime - newest_utime_;
-  // A packet that is later by its number and earlier by its time was not overtaken: the clock was set back.
+  // A packet with the next sequence number and an earlier stamp was not overtaken: the clock was set back.
   const bool set_back = packet.packet == newest_packet_ + 1 && ahead < -limits_.set_back;
   if (std::abs(ahead) > limits_.clock_jump || set_back) {
     counters_.add("lidar.clock_jumps");
     return restart_with(packet);
   }
-  if (packet.packet <= newest_packet_ && ahead > 0) {  // newer, yet counted lower: the driver began again
+  if (packet.packet <= newest_packet_ && ahead > 0) {  // newer, but with a lower sequence number: the driver restarted
     counters_.add("lidar.restarts");
     return restart_with(packet);
   }

@@ -10,19 +10,18 @@
 
 namespace curbstone::mapper::scan {
 
-/// What a scan may hold at most, and which returns count.
+/// Limits of a scan, and the valid range of returns.
 struct AssemblyLimits {
   double min_range = 0.4;               ///< m, from the lidar
   double max_range = 120.0;             ///< m
-  std::size_t max_points = 400'000;     ///< of a scan; at 5 Hz 32 lasers with two returns send 230,000
-  std::int64_t max_span = 400'000;      ///< us, of a scan
-  std::int64_t clock_jump = 1'000'000;  ///< us between packets that is no longer a gap
-  std::int64_t set_back = 10'000;       ///< us back from one packet to the next one: the clock was set
+  std::size_t max_points = 400'000;     ///< per scan; at 5 Hz 32 lasers with two returns send 230,000
+  std::int64_t max_span = 400'000;      ///< us, per scan
+  std::int64_t clock_jump = 1'000'000;  ///< us between packets, beyond which the clock has jumped
+  std::int64_t set_back = 10'000;       ///< us back from one packet to the next, beyond which the clock was set back
 };
 
-/// Puts the packets of a scan together again. Lost packets are counted, late ones of the running scan are
-/// taken, late ones of an older scan and duplicates are dropped. A clock that jumps or a driver that starts
-/// again begins a new scan. Pure; one thread.
+/// Assembles the packets of a scan. Lost packets are counted. Late packets of the current scan are taken; late packets
+/// of an older scan and duplicates are dropped. A clock jump or a driver restart begins a new scan. Pure; one thread.
 ///
 /// Counters: lidar.packets, lidar.lost, lidar.reordered, lidar.restarts, lidar.clock_jumps, dropped.late,
 /// dropped.duplicate, refused.packet, refused.not_finite, points.out_of_range, refused.endless_scan.
@@ -30,22 +29,22 @@ class ScanAssembler {
  public:
   explicit ScanAssembler(const AssemblyLimits& limits = {}) : limits_(limits) {}
 
-  /// Returns the scan before, if this packet begins another one.
+  /// Adds a packet. Returns the previous scan if this packet begins another one.
   [[nodiscard]] std::optional<Scan> add(const lidar_points_t& packet);
-  /// What has come of the running scan: the drive is over.
+  /// Returns what there is of the current scan: the drive is over.
   [[nodiscard]] std::optional<Scan> flush();
 
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
   void append(const lidar_points_t& packet);
-  /// One that others have overtaken.
+  /// Takes a packet that later ones have overtaken.
   void take_late(const lidar_points_t& packet);
   [[nodiscard]] std::optional<Scan> restart_with(const lidar_points_t& packet);
 
   AssemblyLimits limits_;
   std::optional<Scan> current_;
-  std::vector<std::int32_t> seen_;  // numbers of the current scan's packets
+  std::vector<std::int32_t> seen_;  // sequence numbers of the current scan's packets
   std::int64_t newest_utime_ = 0;
   std::int32_t newest_packet_ = 0;
   Counters counters_;

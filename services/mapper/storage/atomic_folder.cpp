@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Puts the folder's file system on the disk: one call for thousands of small files.
+/// Syncs the folder's file system: one call for thousands of small files.
 void sync_to_disk(const fs::path& folder) {
   const int fd = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   const bool done = fd >= 0 && syncfs(fd) == 0;
@@ -25,7 +25,7 @@ void sync_to_disk(const fs::path& folder) {
   if (!done) throw MapFolderError(fmt::format("{}: cannot be written: {}", folder.string(), std::strerror(why)));
 }
 
-/// What a name leads to, links followed, without a slash at its end; it need not exist.
+/// The target of a name, with links resolved and without a trailing slash; it need not exist.
 fs::path resolved(const fs::path& folder) {
   std::error_code error;
   fs::path path = fs::weakly_canonical(fs::absolute(folder), error);
@@ -55,7 +55,7 @@ AtomicFolder::~AtomicFolder() {
 void AtomicFolder::commit() {
   sync_to_disk(partial_);
   std::error_code error;
-  // An exchange, as there is no renaming over a folder that is not empty. The old one is then the partial one.
+  // An exchange, as a non-empty folder cannot be replaced by renaming. The old folder is then the partial one.
   const bool exchange = fs::exists(folder_, error);
   if (renameat2(AT_FDCWD, partial_.c_str(), AT_FDCWD, folder_.c_str(), exchange ? RENAME_EXCHANGE : 0) != 0)
     throw MapFolderError(fmt::format("{}: cannot be replaced: {}", folder_.string(), std::strerror(errno)));

@@ -4,22 +4,22 @@
 
 namespace curbstone::mapper::storage {
 
-/// A folder that is written beside its name and takes its place in one step. Everything throws MapFolderError.
+/// A folder that is written under a temporary name and put in place in one step. All functions throw MapFolderError.
 class AtomicFolder {
  public:
-  /// `is_ours`: whether a folder holds nothing but what may be replaced; others are left alone. What an earlier attempt
-  /// left is removed.
+  /// `is_ours`: whether a folder contains only what may be replaced; other folders are left alone. Remains of an
+  /// earlier attempt are removed.
   AtomicFolder(const std::filesystem::path& folder, bool (*is_ours)(const std::filesystem::path& folder));
-  /// Nothing half-written stays.
+  /// Removes the temporary folder if it was not committed.
   ~AtomicFolder();
   AtomicFolder(const AtomicFolder&) = delete;
   AtomicFolder& operator=(const AtomicFolder&) = delete;
 
-  /// What will be replaced, links followed; need not exist.
+  /// The folder that will be replaced, with links resolved; it need not exist.
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
-  /// Where to write.
+  /// The temporary folder, to write to.
   [[nodiscard]] const std::filesystem::path& partial() const { return partial_; }
-  /// All that was written is on the disk; then it takes its place; then what was there goes.
+  /// Syncs all that was written to the disk, puts the new folder in place, then removes the old one.
   void commit();
 
  private:

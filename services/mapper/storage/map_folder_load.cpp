@@ -69,7 +69,7 @@ MapHead read_head(const fs::path& folder) {
   head.tiles = count("tiles", Rules::kMaxTiles);
   head.nodes = count("nodes", Rules::kMaxNodes);
   head.edges = count("edges", Rules::kMaxEdges);
-  if (yaml["rings"]) {  // else it is of a version that knew none
+  if (yaml["rings"]) {  // otherwise it is of a version without rings
     head.rings = count("rings", intensity::RingHistograms::kMostRings);
     head.map.rings.scans = static_cast<std::int32_t>(count("ring_scans", Rules::kMaxRingScans));
   }
@@ -86,7 +86,7 @@ Pose read_pose(MapRow& row) {
   return pose;
 }
 
-/// The steps of which pcd_coordinate() makes `value`. Clears `valid` if there are none between min and max.
+/// The steps from which pcd_coordinate() makes `value`. Clears `valid` if there are none between min and max.
 std::int16_t steps_of(double corner, float value, int min, int max, bool& valid) {
   const double steps = std::round((static_cast<double>(value) - corner) / kPositionStep);
   const bool inside = steps >= min && steps <= max;

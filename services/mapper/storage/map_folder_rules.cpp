@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A voxel's side in kPositionStep; 0 if it is none that the dense map may have.
+/// A voxel's side in kPositionStep; 0 if the dense map cannot have it.
 int voxel_steps_of(double voxel) {
   constexpr int kMin = 10, kMax = 250;
   const double steps = voxel / kPositionStep;

@@ -30,15 +30,16 @@ std::string row_of(const Matrix& m, int rows) {
   return text;
 }
 
-/// A file of the old map is one of the new.
+/// Reuses a file of the old map in the new one.
 void keep_file(const fs::path& name, const AtomicFolder& target) {
   std::error_code error;
   fs::create_hard_link(target.folder() / name, target.partial() / name, error);
-  if (error) fs::copy_file(target.folder() / name, target.partial() / name, error);  // there are no links everywhere
+  if (error)
+    fs::copy_file(target.folder() / name, target.partial() / name, error);  // not every file system has hard links
   if (error) fail_map(target.folder() / name, error.message());
 }
 
-/// Nothing if it is away and not given back.
+/// Nothing if the tile is spilled and cannot be read back.
 std::optional<SavedTile> with_points(SavedTile tile) {
   if (tile.away.empty()) return tile;
   try {
@@ -132,7 +133,7 @@ void write_head(const SavedMap& map, std::size_t num_tiles, const fs::path& fold
                   num_tiles, map.nodes.size(), map.edges.size()));
 }
 
-/// Whether there is nothing in it that save_map() has not made.
+/// Whether the folder contains only what save_map() has made.
 bool is_map_folder(const fs::path& folder) {
   const auto all = [](const fs::path& in, const auto& rule) {
     std::error_code error;
@@ -140,7 +141,7 @@ bool is_map_folder(const fs::path& folder) {
     for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
       if (!rule(*entry)) return false;
     }
-    return !error;  // where there is no folder, too
+    return !error;  // also if there is no folder
   };
   return all(folder, [&](const fs::directory_entry& entry) {
     const std::string name = entry.path().filename().string();

@@ -38,7 +38,7 @@ std::string repeated(char letter, std::size_t times) {
   return text;
 }
 
-/// What stands behind each keyword; `size` becomes the length of the header in bytes. Empty if it does not end.
+/// The value of each keyword; `size` becomes the length of the header in bytes. Empty if the header has no end.
 std::map<std::string, std::string, std::less<>> parse_header(std::string_view text, std::size_t& size) {
   std::map<std::string, std::string, std::less<>> header;
   for (size = 0; size < text.size();) {

@@ -9,14 +9,14 @@
 
 namespace curbstone::mapper::storage {
 
-/// Binary PCD 0.7 (pointclouds.org, "The PCD file format") with float32 fields alone, for maps: what PCL, pcl_viewer
-/// and CloudCompare open. Read and written here and not by PCL, which believes the sizes that a file claims.
+/// Binary PCD 0.7 (pointclouds.org, "The PCD file format") with float32 fields only, for maps; PCL, pcl_viewer and
+/// CloudCompare open it. Implemented here and not with PCL, which trusts the sizes that a file claims.
 ///
-/// `fields` as in the file: "x y z intensity". `values`: point after point. Throws MapFolderError.
+/// Writes a file. `fields` as in the file: "x y z intensity". `values`: point after point. Throws MapFolderError.
 void write_pcd(const std::filesystem::path& path, std::string_view fields, const std::vector<float>& values,
                const Pose& viewpoint = Pose::Identity());
 
-/// Throws MapFolderError, also when the file holds other fields or more than `max_points`.
+/// Reads a file. Throws MapFolderError, also if the file has other fields or more than `max_points`.
 [[nodiscard]] std::vector<float> read_pcd(const std::filesystem::path& path, std::string_view fields,
                                           std::size_t max_points);
 

@@ -9,13 +9,13 @@
 
 namespace curbstone::mapper::voxels {
 
-/// From the cells of a lattice to places in somebody's array, by blocks of 4 x 4 x 4 cells: what is side by side is
-/// mostly found by one search. Places of its own are handed out by whoever uses it. Pure; one thread.
+/// Maps the cells of a lattice to indices into the caller's array, by blocks of 4 x 4 x 4 cells: neighbouring cells are
+/// mostly found with one search. The caller assigns the indices. Pure; one thread.
 class BlockIndex {
  public:
   static constexpr std::uint32_t kNone = FlatIndex::kNone;
   static constexpr int kSide = 4;
-  /// Of a block's cells; kNone where nothing is.
+  /// The indices of a block's cells; kNone if a cell has none.
   using Places = std::array<std::uint32_t, kSide * kSide * kSide>;
 
   BlockIndex() { clear(); }
@@ -29,7 +29,7 @@ class BlockIndex {
     return blocks_[search(block_of(cell))].places[within(cell.x(), cell.y(), cell.z())];
   }
 
-  /// Where the cell's place is kept, to be set if it is kNone. Good until the next call.
+  /// Reference to the cell's index, to be set if it is kNone. Valid until the next call.
   [[nodiscard]] std::uint32_t& place(const Eigen::Vector3i& cell) {
     const Eigen::Vector3i block = block_of(cell);
     const auto next = static_cast<std::uint32_t>(blocks_.size());
@@ -41,7 +41,7 @@ class BlockIndex {
     return blocks_[at].places[within(cell.x(), cell.y(), cell.z())];
   }
 
-  /// Finds cells one after the other; searches only when the next is in another block.
+  /// Looks up a sequence of cells; searches only when the next one is in another block.
   class Finder {
    public:
     explicit Finder(const BlockIndex& index) : index_(index) {}
@@ -60,12 +60,12 @@ class BlockIndex {
     const Places* places_ = nullptr;
   };
 
-  /// Calls `visit(place, dx, dy, dz)` for the 3 x 3 x 3 cells around (and with) `cell` that have a place, in order.
+  /// Calls `visit(place, dx, dy, dz)` for the 3 x 3 x 3 cells around and including `cell` that have an index, in order.
   template <class Visit>
   void around(const Eigen::Vector3i& cell, Visit&& visit) const {
     const Eigen::Vector3i low = cell.array() - 1;
     const Eigen::Vector3i first = block_of(low);
-    const Eigen::Vector3i spans = block_of(cell.array() + 1) - first;  // 0 or 1 an axis
+    const Eigen::Vector3i spans = block_of(cell.array() + 1) - first;  // 0 or 1 per axis
     std::array<const Places*, 8> near{};
     for (int i = 0; i < 8; ++i) {
       const Eigen::Vector3i step(i >> 2, (i >> 1) & 1, i & 1);
@@ -86,8 +86,8 @@ class BlockIndex {
     }
   }
 
-  /// Forgets the blocks of which `far(middle)` holds, `middle` being the cell at the block's centre; what they had goes
-  /// to `forget(place)`.
+  /// Drops the blocks for which `far(middle)` is true, `middle` being the cell at the block's centre. Calls
+  /// `forget(place)` for each index in them.
   template <class Far, class Forget>
   void erase_blocks(Far&& far, Forget&& forget) {
     std::size_t kept = 1;
@@ -129,7 +129,7 @@ class BlockIndex {
     const std::uint32_t at = index_.find(voxel_key(block));
     return at == kNone ? 0 : at;
   }
-  std::vector<Block> blocks_;  // the first is the one that has nothing
+  std::vector<Block> blocks_;  // the first is the empty block
   FlatIndex index_;
 };
 

@@ -7,7 +7,7 @@
 
 namespace curbstone::mapper::voxels {
 
-/// Names a voxel: its lattice coordinates, 21 bits each, in one word. 2^20 voxels of 5 cm reach 52 km either way.
+/// Key of a voxel: its lattice coordinates, 21 bits each, in one word. 2^20 voxels of 5 cm reach 52 km either way.
 using VoxelKey = std::uint64_t;
 inline constexpr std::int32_t kVoxelLimit = 1 << 20;
 
@@ -16,7 +16,7 @@ inline constexpr std::int32_t kVoxelLimit = 1 << 20;
   return (part(cell.x()) << 42) | (part(cell.y()) << 21) | part(cell.z());
 }
 
-/// Rounds down. Without SSE4.1, which not every machine has, std::floor() is a call.
+/// Rounds down. Without SSE4.1, which not every machine has, std::floor() is a function call.
 [[nodiscard]] inline int floor_to_int(double v) {
   const int towards_zero = static_cast<int>(v);
   return towards_zero - (v < towards_zero ? 1 : 0);
@@ -30,8 +30,8 @@ template <class Vector>
           floor_to_int(static_cast<double>(point.z()) * inverse_size)};
 }
 
-/// From voxel keys to places in somebody's array: open addressing, linear probing.
-/// Nothing iterates over it, so nothing can come to depend on the order of its slots.
+/// Hash map from voxel keys to indices into the caller's array: open addressing, linear probing. It cannot be iterated,
+/// so no result can depend on the order of its slots.
 class FlatIndex {
  public:
   static constexpr std::uint32_t kNone = 0xffffffff;
@@ -52,10 +52,10 @@ class FlatIndex {
     }
   }
 
-  /// Asks memory for where a search for the key will begin: it is far away, and others can be searched meanwhile.
+  /// Prefetches the slot at which a search for the key begins; other keys can be searched meanwhile.
   void prefetch(VoxelKey key) const { __builtin_prefetch(&slots_[home(key)]); }
 
-  /// What the key has; if it has nothing, it gets `value` and kNone is returned.
+  /// Returns the key's value; if it has none, stores `value` and returns kNone.
   std::uint32_t find_or_insert(VoxelKey key, std::uint32_t value) {
     if (2 * (size_ + 1) > slots_.size()) grow();
     std::size_t i = home(key);
@@ -67,7 +67,7 @@ class FlatIndex {
     return kNone;
   }
 
-  /// Forgets the key if it is known: what was put behind it moves up, so no search gets longer for it.
+  /// Removes the key if it is present. Entries behind it move up, so that searches do not get longer.
   void erase(VoxelKey key) {
     std::size_t hole = home(key);
     while (slots_[hole].value != kNone && slots_[hole].key != key) hole = next(hole);
@@ -75,7 +75,7 @@ class FlatIndex {
     const std::size_t mask = slots_.size() - 1;
     for (std::size_t i = next(hole); slots_[i].value != kNone; i = next(i)) {
       const std::size_t searched = (i - home(slots_[i].key)) & mask;
-      if (searched < ((i - hole) & mask)) continue;  // its home is behind the hole
+      if (searched < ((i - hole) & mask)) continue;  // its home slot is behind the hole
       slots_[hole] = slots_[i];
       hole = i;
     }
@@ -85,7 +85,7 @@ class FlatIndex {
 
   [[nodiscard]] std::size_t size() const { return size_; }
 
-  /// Fibonacci hashing, then the high bits folded down: use the low ones.
+  /// Fibonacci hashing, then the high bits are folded down: use the low ones.
   [[nodiscard]] static std::size_t hash(VoxelKey key) {
     const std::uint64_t h = key * 0x9e3779b97f4a7c15ULL;
     return static_cast<std::size_t>(h ^ (h >> 32));

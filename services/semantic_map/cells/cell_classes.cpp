@@ -9,13 +9,13 @@ namespace curbstone::semantic_map::cells {
 namespace {
 
 constexpr int kVehicleReach = 5;      // cells: 1.3 m square
-constexpr int kVehicleCells = 10;     // high cells in it, to be a vehicle or a piece of wall
+constexpr int kVehicleCells = 10;     // high cells in it, for a vehicle or a piece of wall
 constexpr double kReachesTop = 0.85;  // of the vehicle's height
-constexpr int kShadow = 8;            // cells: behind an edge that goes down nothing is seen for about so far
-constexpr double kSlope = 0.15;       // by which ground may rise over what is not seen
-constexpr double kCurbLink = 0.45;    // m: cells between curb points this close are curb
+constexpr int kShadow = 8;            // cells: about as far as an edge hides what is behind and below it
+constexpr double kSlope = 0.15;       // slope that unseen ground may have
+constexpr double kCurbLink = 0.45;    // m: cells between curb points this close are curb, too
 
-/// A tile's cells and those about it, as far as anybody here looks.
+/// The cells of a tile and of its neighbours, up to kReach cells beyond the tile.
 class ColumnWindow {
  public:
   explicit ColumnWindow(const tile::Around<CellColumns>& columns) {
@@ -35,14 +35,14 @@ class ColumnWindow {
       }
     }
   }
-  /// Whether heights of ground that ground_beyond() can find are more than `limit`, m, apart. `known`: of some of them.
+  /// Whether heights that ground_beyond() can find may differ by more than `limit`, m. `known`: some of the heights.
   [[nodiscard]] bool has_relief(double limit, Extent known) const {
     for (std::size_t i = 0; i < cells_.size() && known.size() <= limit; ++i) {
       if (cells_[i] != nullptr && cells_[i]->shows_ground()) known.take(cells_[i]->ground_z);
     }
     return known.size() > limit;
   }
-  /// nullptr where no tile is. Up to kReach cells beyond the tile.
+  /// nullptr where there is no tile. Up to kReach cells beyond the tile.
   [[nodiscard]] const CellColumn* at(int column, int row) const { return cells_[index(column, row)]; }
 
  private:
@@ -54,7 +54,7 @@ class ColumnWindow {
   std::array<const CellColumn*, std::size_t{kSize} * kSize> cells_{};
 };
 
-/// The cells that anything stands in, or beside.
+/// Cells with points above the ground, and their neighbours.
 std::bitset<tile::kCellsInTile> find_near_standing(const tile::Around<CellColumns>& columns) {
   constexpr auto place = [](int column, int row) { return static_cast<std::size_t>(row * kCellsPerTile + column); };
   constexpr int kLast = kCellsPerTile - 1;
@@ -82,8 +82,8 @@ std::bitset<tile::kCellsInTile> find_near_standing(const tile::Around<CellColumn
   return near;
 }
 
-/// What stands in a cell, its neighbours asked: a point just beyond the edge may truly be on this side of it, and a
-/// single point counts where others stand beside it.
+/// The obstacle in a cell, with its neighbours considered: a point just beyond the edge may in fact be on this side of
+/// it, and a single point counts if there are others beside it.
 struct Standing {
   bool blocks = false;
   double top = 0;  ///< m above ground
@@ -94,7 +94,7 @@ Standing standing_at(const ColumnWindow& cells, int column, int row, const Class
   if (cell.blocks(parameters)) return {true, double{cell.top}};
   struct Side {
     int dx, dy;
-    std::size_t edge;  // the neighbour's, where it meets this cell
+    std::size_t edge;  // edge of the neighbour that adjoins this cell
   };
   int over_the_edge = 0;
   for (const Side& side : {Side{-1, 0, 1}, Side{1, 0, 0}, Side{0, -1, 3}, Side{0, 1, 2}}) {
@@ -117,7 +117,7 @@ Standing standing_at(const ColumnWindow& cells, int column, int row, const Class
   return standing;
 }
 
-/// Part of something as high as `min_vehicle` and as large as a piece of a car.
+/// Whether the cell is part of an object as high as `min_vehicle` and as large as a piece of a car.
 bool is_large(const ColumnWindow& cells, int column, int row, const ClassParameters& parameters) {
   int high = 0;
   for (int r = row - kVehicleReach; r <= row + kVehicleReach; ++r) {
@@ -129,7 +129,7 @@ bool is_large(const ColumnWindow& cells, int column, int row, const ClassParamet
   return high >= kVehicleCells;
 }
 
-/// A pit, or the far side of an edge that goes down: what is seen there lies below the ground about.
+/// Whether the cell shows a pit, or the far side of a downward edge: its points are below the ground around.
 bool is_drop(const CellColumn& cell, const ClassParameters& parameters) {
   return cell.drop_points >= parameters.min_points && 2 * cell.drop_points >= cell.ground_points;
 }
@@ -138,7 +138,7 @@ double drop_of(const ClassParameters& parameters) {
   return std::max(parameters.min_obstacle, parameters.max_step);
 }
 
-/// The nearest ground from a cell on, and how many steps away.
+/// The nearest ground in a direction from a cell, and its distance in steps.
 struct GroundBeyond {
   const CellColumn* cell = nullptr;
   int steps = 0;
@@ -153,7 +153,7 @@ GroundBeyond ground_beyond(const ColumnWindow& cells, int column, int row, int d
   return {};
 }
 
-/// Not seen, with ground on two sides of it that lies at two heights: the edge between them hides it, seen from above.
+/// Whether the cell is unseen between ground at two heights: the edge between them hides it, seen from above.
 bool hides_a_drop(const ColumnWindow& cells, int column, int row, const ClassParameters& parameters) {
   constexpr int kDirections[4][2] = {{1, 0}, {0, 1}, {1, 1}, {1, -1}};
   return std::any_of(std::begin(kDirections), std::end(kDirections), [&](const int(&d)[2]) {
@@ -166,12 +166,12 @@ bool hides_a_drop(const ColumnWindow& cells, int column, int row, const ClassPar
   });
 }
 
-/// What the classes of a tile's cells follow from.
+/// Inputs for the classes of a tile's cells.
 struct TileView {
   const ColumnWindow& cells;
   const VehicleCells& vehicles;
   std::bitset<tile::kCellsInTile> near_standing;
-  bool is_flat;  // no drop can hide
+  bool is_flat;  // no drop can be hidden
 };
 
 tile::CellClass class_of(const TileView& view, int column, int row, const ClassParameters& parameters) {
@@ -203,7 +203,7 @@ void mark_curb(const Eigen::Vector2d& at, double height, double confidence, cons
   tile.confidence[i] = std::max(tile.confidence[i], static_cast<std::uint8_t>(255 * confidence));
 }
 
-/// Curb points, and the cells between neighbours on the same line.
+/// Marks curb points, and the cells between neighbouring points of one line.
 void mark_curbs(const tile::Around<std::vector<curbs::CurbPoint>>& curbs, const ClassParameters& parameters,
                 tile::MapTile& tile) {
   struct Placed {

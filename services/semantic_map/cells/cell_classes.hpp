@@ -16,7 +16,7 @@ namespace curbstone::semantic_map::cells {
 void classify_cells(const tile::Around<CellColumns>& columns, const tile::Around<std::vector<curbs::CurbPoint>>& curbs,
                     const VehicleCells& vehicles, const ClassParameters& parameters, tile::MapTile& tile);
 
-/// 0 free .. 254 lethal, 255 unknown.
+/// Cost of a cell: 0 free .. 254 lethal, 255 unknown.
 [[nodiscard]] std::uint8_t traversal_cost(tile::CellClass cell_class, double curb_height,
                                           const ClassParameters& parameters);
 

@@ -15,14 +15,14 @@
 
 namespace curbstone::semantic_map::cells {
 
-/// What stands in the way and what does not.
+/// Parameters of what blocks a cell.
 struct ClassParameters {
   double ground_band = 0.20;     ///< m about the ground: points in it are the ground's (pavement and curb included)
   double min_obstacle = 0.22;    ///< m above ground
   double vehicle_height = 2.00;  ///< m; from the vehicle's section
   double min_vehicle = 0.90;     ///< m: what is this high and as large as a car is as good as a wall
   int min_points = 2;            ///< in a cell and at its edges, to be an obstacle
-  double margin = 0.02;          ///< m beyond a cell's edge that a point may truly stand: twice its own error
+  double margin = 0.02;          ///< m beyond a cell's edge at which a point may in fact stand: twice its own error
   bool unknown_is_free = false;  ///< the paper's policy; the safe one is the default
   double max_step = 0.15;        ///< m the vehicle may climb
 
@@ -37,15 +37,16 @@ struct ClassParameters {
   }
 };
 
-/// The points of one 0.12 m cell, by height above the ground; of more than kMostPoints, the first ones.
+/// Statistics of the points of one 0.12 m cell, by height above the ground; if there are more than kMostPoints, of the
+/// first ones.
 struct CellColumn {
   static constexpr int kMostPoints = 60'000;
-  std::uint16_t points = 0;  ///< all of them, those too that are neither on the ground nor in the way
+  std::uint16_t points = 0;  ///< all points, including those neither on the ground nor in the way
   std::uint16_t ground_points = 0;
   float ground_z = 0;                 ///< m in map, mean of the ground points; without any: of the lowest point
   std::uint16_t blocking_points = 0;  ///< between min_obstacle and the vehicle's height
-  std::uint16_t drop_points = 0;  ///< as far below the ground as is in the way above it, and more than may be climbed
-  float top = 0;                  ///< m above ground, of the blocking points (the second highest: one may be a stray)
+  std::uint16_t drop_points = 0;      ///< farther below the ground than an obstacle stands above it, and than max_step
+  float top = 0;  ///< m above ground, of the blocking points (the second highest: one may be a stray)
   /// Blocking points within the margin of the cell's edges: towards -x, +x, -y, +y.
   std::array<std::uint16_t, 4> at_edge{};
   [[nodiscard]] bool blocks(const ClassParameters& parameters) const {
@@ -65,16 +66,16 @@ struct Extent {
   float high = -std::numeric_limits<float>::infinity();
   void take(const Extent& other) { low = std::min(low, other.low), high = std::max(high, other.high); }
   void take(float value) { take(Extent{value, value}); }
-  /// 0 of nothing.
+  /// 0 if empty.
   [[nodiscard]] double size() const { return high >= low ? double{high} - double{low} : 0; }
   bool operator==(const Extent&) const = default;
 };
 
 struct CellColumns {
   std::array<CellColumn, tile::kCellsInTile> cells{};
-  std::bitset<tile::kCellsInTile> standing;  ///< cells where anything stands, be it one point
-  std::bitset<tile::kCellsInTile> blocked;   ///< where enough stands to be an obstacle
-  std::bitset<tile::kCellsInTile> high;      ///< and as high as `min_vehicle`
+  std::bitset<tile::kCellsInTile> standing;  ///< cells with any point above the ground
+  std::bitset<tile::kCellsInTile> blocked;   ///< cells with enough points for an obstacle
+  std::bitset<tile::kCellsInTile> high;      ///< of these, cells as high as `min_vehicle`
   Extent ground;                             ///< m in map, heights of the cells that show ground
   [[nodiscard]] const CellColumn& at(int column, int row) const {
     return cells[static_cast<std::size_t>(row * kCellsPerTile + column)];
@@ -82,15 +83,15 @@ struct CellColumns {
   bool operator==(const CellColumns&) const = default;
 };
 
-/// Puts the points of a tile into its columns as they come.
+/// Assigns the points of a tile to its columns as they arrive.
 class ColumnMeter {
  public:
   ColumnMeter(const ground::GroundSurface& ground, const ClassParameters& parameters);
 
   void add(std::span<const tile::VotedPoints::Place> points);
   [[nodiscard]] std::size_t num_points() const { return num_points_; }
-  /// Brings columns that this meter has read before up to date (at first, any): the same as if all points so far had
-  /// come at once. Whether they have become others.
+  /// Updates columns that this meter has read before (any columns at the first call): the result is the same as if all
+  /// points so far had come at once. Returns whether the columns changed.
   bool read(CellColumns& columns);
 
  private:
@@ -103,7 +104,7 @@ class ColumnMeter {
   };
   ClassParameters parameters_;
   std::vector<Cell> cells_;
-  std::bitset<tile::kCellsInTile> unread_;  // where points have come since read()
+  std::bitset<tile::kCellsInTile> unread_;  // cells with new points since read()
   std::size_t num_points_ = 0;
 };
 

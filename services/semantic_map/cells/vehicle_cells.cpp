@@ -16,7 +16,7 @@ constexpr int kHighCells = 10;              // as high as `min_vehicle`: less is
 
 using CellPlace = VehicleOutline::Cell;  // in the window
 
-/// What stands connected, cell by cell.
+/// Connected components of standing cells.
 struct Thing {
   std::vector<CellPlace> cells;
   int high = 0;
@@ -40,10 +40,10 @@ class StandingCells {
       }
     }
   }
-  /// Where anything stood at first.
+  /// The standing cells before any was taken.
   [[nodiscard]] const std::vector<CellPlace>& places() const { return places_; }
 
-  /// Takes everything connected to a cell out of the window; nothing if nothing stands there.
+  /// Removes all cells connected to a cell from the window and returns them; nothing if the cell is empty.
   Thing take(CellPlace start) {
     Thing thing;
     take_cell(start, thing);
@@ -109,7 +109,7 @@ std::size_t hash_of(const StandingAround& around) {
   return hash;
 }
 
-/// Most tiles have nothing as high as a vehicle about them.
+/// Shortcut: most tiles have nothing as high as a vehicle nearby.
 bool may_hold_vehicles(const tile::Around<CellColumns>& columns) {
   std::size_t num_high = 0;
   columns.for_each([&](const CellColumns& tile, double, double) { num_high += tile.high.count(); });

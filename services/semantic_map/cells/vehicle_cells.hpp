@@ -8,19 +8,19 @@
 
 namespace curbstone::semantic_map::cells {
 
-/// Cells of the centre tile that belong to something as large as a vehicle and no larger: what stands there (its low
-/// bonnet as its roof), and the ground inside its outline. Light gets under a vehicle, so that ground is seen where the
-/// roof is not; nobody can drive there. Looks at the 9 m around.
+/// Cells of the centre tile that belong to an object of the size of a vehicle: its points, of a low bonnet as of the
+/// roof, and the ground inside its outline. Light gets under a vehicle, so ground may be seen within the outline, but
+/// nobody can drive there. Uses the 9 m around.
 struct VehicleCells {
   std::bitset<tile::kCellsInTile> beneath;  ///< see VehicleOutline; what stands is included
 };
 [[nodiscard]] VehicleCells find_vehicles(const tile::Around<CellColumns>& columns);
 
-/// All that vehicles follow from: of each tile around, what stands in it and what is high.
+/// The only inputs of find_vehicles(): for each tile around, the cells that are standing and those that are high.
 using StandingAround = std::array<std::bitset<tile::kCellsInTile>, 18>;
 
-/// find_vehicles() for a caller that asks for the same tiles again and again: most often nothing has come to stand in a
-/// tile or about it since, and the vehicles of then are those of now. A value type; one thread.
+/// Caches find_vehicles() for a caller that asks for the same tiles repeatedly: usually nothing in or around a tile has
+/// changed, and the result is the same. A value type; one thread.
 class VehicleMemo {
  public:
   /// The same as find_vehicles().

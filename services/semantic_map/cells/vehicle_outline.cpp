@@ -17,8 +17,8 @@ constexpr double kMaxLength = 7.0;    // m
 constexpr double kMaxWidth = 2.6;     // m
 constexpr double kMinLength = 1.2;    // m: one side of a small car seen from behind
 constexpr double kMinSide = 0.6;      // m: a side that is shorter has no direction
-constexpr double kOnSide = 0.4;       // m: how far a cell may be from the side that it is of: windows lean inwards
-constexpr double kMinSideSeen = 0.7;  // share of a side's length of which cells were seen
+constexpr double kOnSide = 0.4;       // m: largest distance of a cell from its side: windows lean inwards
+constexpr double kMinSideSeen = 0.7;  // share of a side's length along which cells were seen
 
 int turn(const Eigen::Vector2i& a, const Eigen::Vector2i& b, const Eigen::Vector2i& c) {
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
@@ -75,7 +75,7 @@ VehicleOutline::Rectangle VehicleOutline::bounds(const std::vector<Cell>& cells,
   return rectangle;
 }
 
-/// The better of the two sides along each axis; of these the worse: the share of its length of which cells were seen.
+/// Takes the better of the two sides along each axis, and of these the worse: the share of its length with seen cells.
 double VehicleOutline::sides_seen(const std::vector<Cell>& cells, const Rectangle& rectangle) {
   double worse = 1;
   for (int axis = 0; axis < 2; ++axis) {
@@ -98,7 +98,7 @@ double VehicleOutline::sides_seen(const std::vector<Cell>& cells, const Rectangl
   return worse;
 }
 
-/// The smallest rectangle along an edge of the hull of which two sides were seen.
+/// The smallest rectangle along an edge of the hull with two seen sides.
 void VehicleOutline::complete(const std::vector<Cell>& cells) {
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < hull_.size(); ++k) {
@@ -116,7 +116,7 @@ void VehicleOutline::complete(const std::vector<Cell>& cells) {
 }
 
 bool VehicleOutline::contains(Cell cell) const {
-  constexpr double kHalf = 0.5;  // a cell reaches that far from its middle
+  constexpr double kHalf = 0.5;  // a cell reaches that far from its centre
   if (rectangle_) {
     const Eigen::Array2d along = (rectangle_->axes.transpose() * cell.cast<double>()).array();
     if ((along >= rectangle_->least.array() - kHalf).all() && (along <= rectangle_->most.array() + kHalf).all())
@@ -125,7 +125,8 @@ bool VehicleOutline::contains(Cell cell) const {
   for (std::size_t k = 0; k < hull_.size(); ++k) {
     if (turn(hull_[k], hull_[(k + 1) % hull_.size()], cell) < 0) return false;
   }
-  return hull_.size() > 2 || (cell - hull_.front()).dot(cell - hull_.back()) <= 0;  // of a straight line: between
+  return hull_.size() > 2 ||
+         (cell - hull_.front()).dot(cell - hull_.back()) <= 0;  // of a straight line: between its ends
 }
 
 }  // namespace curbstone::semantic_map::cells

@@ -6,20 +6,20 @@
 
 namespace curbstone::semantic_map::cells {
 
-/// The ground that a vehicle takes up, estimated from the cells of it that were seen standing. Who passes a parked car
-/// sees two of its sides first: where such meet at a right angle, the vehicle is the rectangle that they span (as in
-/// L-shape fitting: Zhang, Xu, Dong, Dolan, "Efficient L-Shape Fitting for Vehicle Detection Using Laser Scanners",
-/// IV 2017, whose directions here are those of the hull's edges). Else it is their convex hull. Pure.
+/// The ground that a vehicle occupies, estimated from its cells that were seen. From a passing vehicle, two sides of a
+/// parked car are seen first: if they meet at a right angle, the outline is the rectangle that they span (as in L-shape
+/// fitting: Zhang, Xu, Dong, Dolan, "Efficient L-Shape Fitting for Vehicle Detection Using Laser Scanners", IV 2017;
+/// the directions here are those of the hull's edges). Otherwise it is their convex hull. Pure.
 class VehicleOutline {
  public:
   using Cell = Eigen::Vector2i;
 
-  /// `cells` connected, each once. Nothing if they are smaller or larger than a vehicle, along their principal axes.
+  /// `cells`: connected, each once. Nothing if they are smaller or larger than a vehicle, along their principal axes.
   [[nodiscard]] static std::optional<VehicleOutline> of(const std::vector<Cell>& cells);
   [[nodiscard]] bool contains(Cell cell) const;
 
  private:
-  /// Cells' middles, in cells, along and across a direction.
+  /// Extent of the cells' centres, in cells, along and across a direction.
   struct Rectangle {
     Eigen::Matrix2d axes;  // in its columns
     Eigen::Vector2d least;
@@ -30,7 +30,7 @@ class VehicleOutline {
   void complete(const std::vector<Cell>& cells);
 
   std::vector<Cell> hull_;              // counter-clockwise
-  std::optional<Rectangle> rectangle_;  // where two sides tell of it
+  std::optional<Rectangle> rectangle_;  // if two sides were seen
 };
 
 }  // namespace curbstone::semantic_map::cells

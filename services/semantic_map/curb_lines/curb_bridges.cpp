@@ -14,24 +14,24 @@ namespace curbstone::semantic_map::curb_lines {
 
 namespace {
 
-constexpr double kLongest = 8.0;       // m: a van, or a car with the room before and behind it
-constexpr double kSight = 2.0;         // m of a line that say where it goes on, and how high it is
-constexpr double kMinSure = 1.5;       // m that a line must be long
+constexpr double kLongest = 8.0;       // m: a van, or a car with the space before and behind it
+constexpr double kSight = 2.0;         // m of a line that determine its direction and height at the end
+constexpr double kMinSure = 1.5;       // m, least length of a line
 constexpr double kMostTurn = 0.25;     // rad between a line's end and the chord
-constexpr double kUnevenTurns = 0.08;  // rad that the two turns may differ: of an arc they are equal
-constexpr double kOffArc = 0.10;       // m, and as much off that
+constexpr double kUnevenTurns = 0.08;  // rad, largest difference of the two turns: on an arc they are equal
+constexpr double kOffArc = 0.10;       // m, further tolerance
 constexpr double kAlikeHeight = 0.03;  // m, or a third
-constexpr double kTip = 0.7;           // of a line's height that its end must still have: else it is lowered there
+constexpr double kTip = 0.7;           // of a line's height that its end must have: otherwise the kerb is lowered there
 constexpr double kMinTip = 0.035;      // m
 constexpr double kClimb = 0.12;        // of the street
 constexpr double kVertices = 0.20;     // m
-constexpr double kSeenStep = 0.4;      // of the expected step: what is seen to be less is no curb
-constexpr double kMostFlat = 0.45;     // m of the bridge that may be seen without a step: what a line ends with
+constexpr double kSeenStep = 0.4;      // of the expected step: a visible step below it is not a curb
+constexpr double kMostFlat = 0.45;     // m of the bridge that may visibly have no step: the tips of lines
 constexpr double kMinLowered = 1.0;    // m
 constexpr double kLowStep = 0.010;     // m
 constexpr double kLowSigmas = 3.0;     // of the step along it: its line is known, only its height is not
-constexpr double kHighest = 0.06;      // m: what is higher is found without a bridge
-constexpr double kBeside = 0.5;        // m: another line this close says more
+constexpr double kHighest = 0.06;      // m: higher steps are found without a bridge
+constexpr double kBeside = 0.5;        // m: a measured line this close takes precedence
 
 using Cell = std::pair<std::int64_t, std::int64_t>;
 
@@ -44,17 +44,17 @@ Eigen::Vector2d place(const tile::CurbVertex& v) {
   return {double{v.x}, double{v.y}};
 }
 
-/// Where a line ends, and how.
+/// The end of a line: place, direction and height.
 struct LineEnd {
   std::size_t line = 0;
   tile::CurbVertex tip;
   Eigen::Vector2d at = Eigen::Vector2d::Zero();
   Eigen::Vector2d along = Eigen::Vector2d::UnitX();  ///< unit, in the line's own direction
   double height = 0;
-  bool is_high = false;  ///< not a lowered kerb, nor being lowered where it ends
+  bool is_high = false;  ///< neither a lowered kerb, nor lowered at this end
 };
 
-/// From the tip inwards; nothing of a line that is too short to say.
+/// Evaluated from the tip inwards; nothing if the line is too short.
 std::optional<LineEnd> end_of(const std::vector<tile::CurbVertex>& inwards) {
   LineEnd end{.tip = inwards.front(), .at = place(inwards.front())};
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
@@ -86,7 +86,7 @@ double turn_between(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
 }
 
-/// Whether the second line goes on where the first points to, along a straight line or an arc.
+/// Whether the second line continues the first, along a straight line or an arc.
 bool goes_on(const LineEnd& from, const LineEnd& to) {
   const Eigen::Vector2d chord = to.at - from.at;
   const double gap = chord.norm();
@@ -126,7 +126,7 @@ std::vector<tile::CurbVertex> bridge_between(const LineEnd& from, const LineEnd&
   return bridge;
 }
 
-/// Height of the ground that was seen on one side of a place, 0.18 to 0.42 m off.
+/// Height of the ground seen on one side of a place, at 0.18 to 0.42 m.
 std::optional<double> seen_beside(const SeenGround& ground, const Eigen::Vector2d& at, const Eigen::Vector2d& side) {
   double sum = 0;
   int n = 0;
@@ -139,7 +139,7 @@ std::optional<double> seen_beside(const SeenGround& ground, const Eigen::Vector2
   return n > 0 ? std::optional(sum / n) : std::nullopt;
 }
 
-/// Whether there is seen to be no curb for longer than where a line ends.
+/// Whether the ground visibly has no step for longer than the tip of a line.
 bool is_contradicted(const SeenGround& ground, const std::vector<tile::CurbVertex>& bridge) {
   int flat = 0;
   for (const tile::CurbVertex& v : bridge) {
@@ -151,7 +151,7 @@ bool is_contradicted(const SeenGround& ground, const std::vector<tile::CurbVerte
   return flat * kVertices > kMostFlat;
 }
 
-/// Whether anything measured lies beside the bridge's middle.
+/// Whether a measured line lies beside the bridge's middle.
 bool meets_others(const std::set<Cell>& measured, const std::vector<tile::CurbVertex>& bridge) {
   return std::any_of(bridge.begin(), bridge.end(), [&](const tile::CurbVertex& v) {
     const Eigen::Vector2d at = place(v);
@@ -183,7 +183,7 @@ struct Bridge {
   std::size_t from = 0, to = 0;  ///< ends
 };
 
-/// All that could be, the shortest first. An end that another line goes on from is none.
+/// All possible bridges, the shortest first. An end that another line continues is left out.
 std::vector<Bridge> find_bridges(const std::vector<LineEnd>& ends, const std::vector<LineEnd>& begins) {
   std::vector<std::size_t> by_x(begins.size());
   std::iota(by_x.begin(), by_x.end(), std::size_t{0});
@@ -206,19 +206,19 @@ std::vector<Bridge> find_bridges(const std::vector<LineEnd>& ends, const std::ve
   return bridges;
 }
 
-/// What is looked for between two ends: a curb, or stones that lie flush.
+/// What may lie between two ends: a curb, or flush kerbstones.
 enum class Between { kCurb, kFlush };
 enum class Tip { kFirst, kLast };
 
-/// Of all lines the ends that may go on, and what has been measured.
+/// The ends that lines may continue from, and the measured vertices.
 class OpenEnds {
  public:
   std::vector<LineEnd> ends;
   std::vector<LineEnd> begins;
   std::set<Cell> measured;
 
-  /// For stones that lie flush a line that is shorter than the sight points where those that share its other end do,
-  /// too; and one that is too short to point anywhere may be what is seen of the stones between two others.
+  /// For flush kerbstones, a line shorter than kSight takes its direction with the lines that share its other end; a
+  /// line too short for a direction may be the visible part of the stones between two others.
   OpenEnds(const std::vector<tile::CurbLine>& lines, Between between) : lines_(lines) {
     const bool flush = between == Between::kFlush;
     for (std::size_t k = 0; k < lines.size(); ++k) {
@@ -247,7 +247,7 @@ class OpenEnds {
     end->is_high = end->is_high && !lines_[line].dropped;
     all.push_back(*end);
   }
-  /// The vertices within sight of a line's tip, itself first.
+  /// The vertices within kSight of a line's tip, the tip first.
   [[nodiscard]] std::vector<tile::CurbVertex> inwards(std::size_t line, Tip tip, bool through_cuts) const {
     const bool from_last = tip == Tip::kLast;
     std::vector<tile::CurbVertex> vertices;
@@ -271,7 +271,7 @@ class OpenEnds {
   std::map<Place, std::size_t> last_places_;
 };
 
-/// Makes of each pair of ends what `make` says: `std::optional<tile::CurbLine> make(from, to)`; none is in two.
+/// Calls `std::optional<tile::CurbLine> make(from, to)` for each pair of ends; an end is used at most once.
 template <class Make>
 std::vector<tile::CurbLine> bridge(const OpenEnds& open, Make make) {
   std::vector<tile::CurbLine> made;

@@ -13,10 +13,10 @@ namespace {
 
 constexpr double kSpacing = 0.20;   // m between vertices
 constexpr double kMinLine = 0.50;   // m
-constexpr double kLowReach = 0.60;  // m about a place that say whether the kerb is lowered there
-constexpr double kMinPiece = 1.0;   // m that a kerb is lowered, or raised again
-constexpr double kCovered = 0.40;   // m about a place that is not bridged
-constexpr double kSameCurb = 0.3;   // m: what a line of before is found by
+constexpr double kLowReach = 0.60;  // m around a place within which the evidence for lowered is collected
+constexpr double kMinPiece = 1.0;   // m: shortest lowered or raised piece
+constexpr double kCovered = 0.40;   // m around a place without a gap that count as covered
+constexpr double kSameCurb = 0.3;   // m: largest distance from the earlier line
 constexpr double kSquare = 2.0;     // m
 
 using Square = std::pair<std::int64_t, std::int64_t>;
@@ -25,13 +25,13 @@ Square square_at(double x, double y) {
   return {static_cast<std::int64_t>(std::floor(x / kSquare)), static_cast<std::int64_t>(std::floor(y / kSquare))};
 }
 
-/// A chain laid out along itself.
+/// A chain, parametrised by arc length.
 struct LaidOut {
   std::vector<SmoothingSpline::Sample> samples;  // by s
   std::vector<const MapCurbPoint*> points;
 };
 
-/// Steps across the line add nothing to its length.
+/// Sideways steps add nothing to the length.
 LaidOut laid_out(const std::vector<MapCurbPoint>& points, const CurbChain& chain) {
   LaidOut result;
   double s = 0;
@@ -49,7 +49,7 @@ LaidOut laid_out(const std::vector<MapCurbPoint>& points, const CurbChain& chain
   return result;
 }
 
-/// Vertices at even distances, the ends included.
+/// Vertices at equal distances, ends included.
 std::vector<double> places_along(const SmoothingSpline& spline) {
   const double length = spline.end() - spline.begin();
   const int pieces = std::max(1, static_cast<int>(std::ceil(length / kSpacing - 1e-9)));
@@ -58,7 +58,8 @@ std::vector<double> places_along(const SmoothingSpline& spline) {
   return places;
 }
 
-/// Whether most of the evidence about each place is of a step lower than a curb's; a bridge is as what it comes from.
+/// Whether most of the evidence around each place is of a step lower than a curb's; a bridged part is like the evidence
+/// it bridges.
 std::vector<bool> lowered(const LaidOut& line, const std::vector<double>& places) {
   std::vector<bool> is_low;
   std::size_t first = 0;
@@ -75,7 +76,7 @@ std::vector<bool> lowered(const LaidOut& line, const std::vector<double>& places
   return is_low;
 }
 
-/// Ends of runs of places that are of one kind; what is too short goes with what is before it.
+/// Ends of the runs of lowered and raised places; a run that is too short is added to the one before it.
 std::vector<std::size_t> runs_of(const std::vector<bool>& is_low) {
   const auto least = static_cast<std::size_t>(std::lround(kMinPiece / kSpacing));
   std::vector<std::size_t> ends;
@@ -91,7 +92,7 @@ std::vector<std::size_t> runs_of(const std::vector<bool>& is_low) {
   return ends;
 }
 
-/// Mean confidence of the points from s = from to s = to, times the share of that way that is not bridged.
+/// Mean confidence of the points from s = from to s = to, times the share of that range that is not bridged.
 float confidence_of(const LaidOut& line, double from, double to) {
   double sum = 0;
   double covered = 0;
@@ -118,7 +119,7 @@ tile::CurbVertex vertex_at(const SmoothingSpline& spline, double s) {
           static_cast<float>(along.y()), static_cast<float>(-along.x())};
 }
 
-/// One line, or several where a kerb is lowered in between: they share the vertex where they meet.
+/// One line, or several if a kerb is lowered in between: they share the vertices where they meet.
 void add_lines(const LaidOut& laid, std::vector<tile::CurbLine>& lines) {
   const SmoothingSpline spline(laid.samples);
   if (spline.end() - spline.begin() < kMinLine) return;

@@ -12,24 +12,24 @@ namespace curbstone::semantic_map::curb_lines {
 
 namespace {
 
-constexpr double kGap = 0.80;            // m that a line may bridge in any case
-constexpr double kFarSideways = 0.10;    // of a longer bridge, that its ends may be off each other's line
-constexpr double kSideways = 0.12;       // m that the next point may lie off,
-constexpr double kSidewaysShare = 0.25;  // and a share of its distance
+constexpr double kGap = 0.80;            // m: gap that is always bridged
+constexpr double kFarSideways = 0.10;    // of a longer gap: largest offset of its ends from each other's line
+constexpr double kSideways = 0.12;       // m: largest offset of the next point,
+constexpr double kSidewaysShare = 0.25;  // plus this share of its distance
 constexpr double kAlike = 0.7;           // cosine between the directions of two points
-constexpr double kGrid = 2.0;            // m: the longest bridge from point to point
-constexpr double kJoin = 2.5;            // m: the longest from chain to chain
-constexpr double kEnd = 1.5;             // m of a chain that say where it goes on
-constexpr double kJoinSideways = 0.04;   // m off, and a share of the gap
+constexpr double kGrid = 2.0;            // m: the longest gap from point to point
+constexpr double kJoin = 2.5;            // m: the longest gap from chain to chain
+constexpr double kEnd = 1.5;             // m of a chain that determine the direction of its end
+constexpr double kJoinSideways = 0.04;   // m: largest offset, plus a share of the gap
 constexpr double kJoinShare = 0.04;
 constexpr double kJoinAlike = 0.97;   // cosine between the ends' directions
 constexpr double kJoinHeight = 0.03;  // m, or a third
 
-/// Numbers of things, to be found by place.
+/// Spatial index of numbers.
 class PlaceGrid {
  public:
   void put(const Eigen::Vector2d& at, std::size_t number) { cells_[cell_of(at)].push_back(number); }
-  /// visit(number) of all in the cells up to `reach` cells from that of `at`.
+  /// Calls visit(number) for all in the cells up to `reach` cells from that of `at`.
   template <class Visit>
   void around(const Eigen::Vector2d& at, std::int64_t reach, Visit visit) const {
     const Cell centre = cell_of(at);
@@ -51,7 +51,7 @@ class PlaceGrid {
   std::map<Cell, std::vector<std::size_t>> cells_;
 };
 
-/// Follows curb points from one to the next.
+/// Links each curb point to the next.
 class Linker {
  public:
   explicit Linker(const std::vector<MapCurbPoint>& points) : points_(points), used_(points.size()) {
@@ -77,13 +77,13 @@ class Linker {
       line.push_back(next);
     }
   }
-  /// Whether the evidence of two distant points meets, and each lies on the other's line.
+  /// Whether the evidence of two distant points overlaps, and each lies on the other's line.
   static bool bridges(const MapCurbPoint& a, const MapCurbPoint& b) {
     const Eigen::Vector2d d = b.foot - a.foot;
     const double off = std::max(std::abs(d.dot(a.up)), std::abs(d.dot(b.up)));
     return d.norm() < a.reach + b.reach && off < kSideways + kFarSideways * d.norm();
   }
-  /// How far `b` lies `ahead` of `a` (m, plus what it lies to the side), if it may be the next point.
+  /// Distance of `b` ahead of `a` (m, plus its sideways offset), if it may be the next point.
   static std::optional<double> step_to(const MapCurbPoint& a, const MapCurbPoint& b, const Eigen::Vector2d& ahead) {
     if (b.up.dot(a.up) < kAlike) return std::nullopt;
     const Eigen::Vector2d d = b.foot - a.foot;
@@ -92,7 +92,7 @@ class Linker {
     if (d.norm() > kGap && !bridges(a, b)) return std::nullopt;
     return d.norm() + sideways;
   }
-  /// points_.size() if there is none.
+  /// points_.size() if there is no next point.
   std::size_t nearest_ahead(std::size_t from, int sense) {
     const MapCurbPoint& p = points_[from];
     const Eigen::Vector2d ahead = sense * Eigen::Vector2d(-p.up.y(), p.up.x());
@@ -149,7 +149,7 @@ ChainEnd end_of(const std::vector<MapCurbPoint>& points, Iterator outermost, Ite
   return end;
 }
 
-/// How far apart two ends are, if the second goes on where the first points to.
+/// Distance of two ends, if the second continues the first.
 std::optional<double> gap_between(const ChainEnd& from, const ChainEnd& to, double shorter) {
   const Eigen::Vector2d d = to.at - from.at;
   const double gap = d.norm();
@@ -179,7 +179,7 @@ std::vector<Joint> find_joints(const std::vector<MapCurbPoint>& points, const st
   return joints;
 }
 
-/// Joins chains that go on behind a gap.
+/// Joins chains that continue behind a gap.
 std::vector<CurbChain> join_chains(const std::vector<MapCurbPoint>& points, std::vector<CurbChain> chains) {
   const std::vector<std::size_t> partner = join_shortest_first(chains.size(), find_joints(points, chains));
   std::vector<CurbChain> joined;

@@ -12,16 +12,16 @@ struct MapCurbPoint {
   double z = 0;
   double height = 0;
   double confidence = 0;
-  bool weak = false;  ///< lower than a curb by itself
-  double reach = 0;   ///< m along the curb, on each side, that the evidence is from
+  bool weak = false;  ///< lower than a curb must be to count on its own
+  double reach = 0;   ///< m along the curb, on each side, from which the evidence comes
 };
 
-/// Indices of points that follow each other along one curb, its higher side on the right.
+/// Indices of consecutive points of one curb, its higher side on the right.
 using CurbChain = std::vector<std::size_t>;
 
-/// Links points that are near each other along the curb: always up to 0.8 m, and as far as the evidence of both
-/// reaches. Then joins chains across gaps of up to 2.5 m, if each is longer than the gap, as high, and runs to where
-/// the other begins. The same points in the same order give the same chains.
+/// Links neighbouring points along the curb: always up to 0.8 m, and beyond as far as the evidence of both reaches.
+/// Then joins chains across gaps of up to 2.5 m, if each chain is longer than the gap, they have the same height, and
+/// each points at the other's end. The same points in the same order give the same chains.
 [[nodiscard]] std::vector<CurbChain> chain_curbs(const std::vector<MapCurbPoint>& points);
 
 }  // namespace curbstone::semantic_map::curb_lines

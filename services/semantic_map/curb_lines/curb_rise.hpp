@@ -7,7 +7,7 @@
 
 namespace curbstone::semantic_map::curb_lines {
 
-/// Whether somebody on the path who goes towards the curb steps up or down there. The values of curb_line_t.
+/// Whether a vehicle that comes from the path steps up or down at the curb. The values of curb_line_t.
 enum class CurbRise : std::int8_t { kUnknown = 0, kUp = 1, kDown = -1 };
 [[nodiscard]] CurbRise seen_from(const tile::CurbLine& line, const tile::DrivenPath& path);
 

@@ -5,7 +5,7 @@
 
 namespace curbstone::semantic_map::curb_lines {
 
-/// Ends of pieces of line, numbered: piece k ends at 2 k and begins at 2 k + 1.
+/// Numbers of the ends of line pieces: piece k ends at 2 k and begins at 2 k + 1.
 [[nodiscard]] constexpr std::size_t last_end(std::size_t piece) {
   return 2 * piece;
 }
@@ -20,7 +20,7 @@ namespace curbstone::semantic_map::curb_lines {
   return end ^ 1U;
 }
 
-/// Two ends that could be joined.
+/// A candidate joint of two ends.
 struct Joint {
   double gap = 0;  ///< m
   std::size_t a = 0, b = 0;
@@ -28,8 +28,8 @@ struct Joint {
 
 inline constexpr std::size_t kFree = ~std::size_t{0};
 
-/// The end that each end is joined to, or kFree. The shortest gaps are closed first (of equal ones that of the lower
-/// ends); an end is joined once, and no line closes to a ring.
+/// For each end the end that it is joined to, or kFree. The shortest gaps are closed first (of equal ones, that with
+/// the lower ends); an end is joined once, and no line closes to a ring.
 [[nodiscard]] std::vector<std::size_t> join_shortest_first(std::size_t num_pieces, std::vector<Joint> joints);
 
 }  // namespace curbstone::semantic_map::curb_lines

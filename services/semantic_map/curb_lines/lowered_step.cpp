@@ -10,11 +10,11 @@ namespace curbstone::semantic_map::curb_lines {
 
 namespace {
 
-constexpr double kSeenShare = 0.6;   // of the line, on both sides
-constexpr double kHalfAsMuch = 0.5;  // each half of the line, of the whole
+constexpr double kSeenShare = 0.6;   // of the line, seen on both sides
+constexpr double kHalfAsMuch = 0.5;  // step of each half of the line, relative to the whole
 constexpr int kParameters = 6;
 constexpr int kMinSamples = 24;
-constexpr double kNoiseFloor = 0.004;                      // m: that cells' heights scatter by at least
+constexpr double kNoiseFloor = 0.004;                      // m: least scatter of the cells' heights
 constexpr std::array kOffsets = {0.14, 0.26, 0.38, 0.50};  // m, a cell apart
 
 struct Sample {

@@ -9,13 +9,13 @@
 
 namespace curbstone::semantic_map::curb_lines {
 
-/// m in map: the height of the ground that was seen at a place; nothing where none was.
+/// Height of the ground that was seen at a place, m in map; nothing if none was seen.
 using SeenGround = std::function<std::optional<double>(const Eigen::Vector2d& at)>;
 
 /// A low step along a whole line.
 struct LoweredStep {
   double height = 0;  ///< m
-  double sigma = 0;   ///< m, 1 sigma of it
+  double sigma = 0;   ///< m, 1 sigma of the height
 };
 
 /// Whether the ground steps up along a line whose place is known, by all that was seen on both sides of it: least

@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kKnots = 0.5;      // m between knots
 constexpr double kStiffness = 2.0;  // of the penalty, against samples of weight 1
-constexpr double kStraight = 1e-3;  // the same of second differences: between few points the line is straight
-constexpr double kOutlier = 0.03;   // m off the line: weighs half
+constexpr double kStraight = 1e-3;  // the same for second differences: between few points the line is straight
+constexpr double kOutlier = 0.03;   // m off the line: half the weight
 constexpr int kFits = 3;
 constexpr int kBand = 3;  // a sample touches four coefficients, a third difference too
 
@@ -100,7 +100,7 @@ void SmoothingSpline::fit(const std::vector<Sample>& samples, const std::vector<
   }
   penalise<4>({-1, 3, -3, 1}, kStiffness, a);
   penalise<3>({1, -2, 1}, kStraight, a);
-  for (auto& row : a) row[0] += 1e-9;  // of a single point all coefficients are the same
+  for (auto& row : a) row[0] += 1e-9;  // with a single point all coefficients are equal
   solve(a, b);
   coefficients_ = std::move(b);
 }

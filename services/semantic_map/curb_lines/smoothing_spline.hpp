@@ -19,7 +19,7 @@ class SmoothingSpline {
     double weight = 1;
   };
 
-  /// At least one sample; s of the first to s of the last is where the spline is good.
+  /// Needs at least one sample; the spline is valid from the first sample's s to the last one's.
   explicit SmoothingSpline(const std::vector<Sample>& samples);
 
   [[nodiscard]] double begin() const { return begin_; }

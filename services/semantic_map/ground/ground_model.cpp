@@ -45,8 +45,8 @@ SampleGrid sample_grid(const tile::Around<GroundSamples>& samples) {
   return grid;
 }
 
-/// The cells along one axis, of `size` m each, in which samples may lie within `reach` of a place (m from the centre
-/// tile's corner): one more on each side, for rounding.
+/// The range of cells along one axis, of `size` m each, that may contain samples within `reach` of a place (m from the
+/// centre tile's corner): one more on each side, for rounding.
 struct CellSpan {
   int first, last;
   CellSpan(double at, double reach, double size, int cells)
@@ -58,7 +58,7 @@ CellSpan samples_about(double at, double reach) {
   return {at, reach, GroundSamples::kCell, kSamplesPerSide};
 }
 
-/// A plane under most of what there is: what is above it (cars, hedges) pulls little.
+/// A plane fitted from below: what is above it (cars, hedges) has little weight.
 std::optional<Plane> rough_ground(const SampleGrid& grid) {
   std::vector<PlaneSample> samples;
   std::vector<double> heights;
@@ -75,7 +75,7 @@ std::optional<Plane> rough_ground(const SampleGrid& grid) {
   return fit_plane(samples, start, {.scale_above = 0.2, .scale_below = 0.5, .slope_sigma = 0.10, .sample_sigma = 0.15});
 }
 
-/// The lowest sample of each 0.5 m cell (NaN: none) that is not far off the rough ground.
+/// The lowest sample of each 0.5 m cell (NaN: none) that is near the rough ground.
 std::vector<double> lowest_samples(const SampleGrid& grid, const Plane& rough) {
   constexpr double kMaxAboveRough = 1.0;
   std::vector<double> low(static_cast<std::size_t>(kRoadCells * kRoadCells), std::numeric_limits<double>::quiet_NaN());
@@ -111,8 +111,8 @@ bool stands_above_neighbours(const std::vector<double>& low, int column, int row
   return here > lowest + kMaxAboveNeighbours && here > quantile_in_place(around, 0.25) + kMaxAboveNeighbours;
 }
 
-/// The road's height in each 0.5 m cell (NaN: none) that a node of the centre tile looks at, without what stands above
-/// its neighbours.
+/// The road's height in each 0.5 m cell (NaN: none) within reach of the centre tile's nodes, without cells that stand
+/// above their neighbours.
 std::vector<double> road_heights(const SampleGrid& grid, const Plane& rough) {
   const std::vector<double> low = lowest_samples(grid, rough);
   std::vector<double> road = low;
@@ -128,9 +128,9 @@ std::vector<double> road_heights(const SampleGrid& grid, const Plane& rough) {
   return road;
 }
 
-/// How well scan lines agree: spread of the heights within the 0.25 m cells and from one to the next, where the ground
-/// is even. A curb between them is a minority that the quantile passes over; lines that a wrong pose or a beam of
-/// its own has put beside each other are not.
+/// Agreement of scan lines: spread of the heights within the 0.25 m cells and between neighbouring ones, where the
+/// ground is even. A curb affects a minority of the pairs and so not the quantile; scan lines displaced by a wrong pose
+/// or by a single beam affect most.
 double layer_noise(const SampleGrid& grid, const Plane& rough, double x, double y) {
   constexpr double kReach = 1.5;  // m
   constexpr double kQuantile = 0.7;
@@ -161,8 +161,8 @@ double layer_noise(const SampleGrid& grid, const Plane& rough, double x, double 
   return std::max(within, between);
 }
 
-/// The least-squares plane through all samples within 1.5 m, against the rough ground: where scan lines are so far
-/// apart that the vote sees only lines, it still tells which way the ground rises.
+/// The least-squares plane through all samples within 1.5 m, relative to the rough ground: where scan lines are so far
+/// apart that the vote sees only lines, it still shows the slope of the ground.
 Eigen::Vector2d coarse_tilt(const std::vector<PlaneSample>& samples, const Plane& rough) {
   constexpr double kMinExtent = 0.25;  // m, standard deviation in any direction
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -179,7 +179,7 @@ Eigen::Vector2d coarse_tilt(const std::vector<PlaneSample>& samples, const Plane
   return Ldlt<2>(scatter).solve(rise) - rough.slope;
 }
 
-/// The samples of the road within kNormalReach of a node, m from it, and what their normals say.
+/// The samples of the road within kNormalReach of a node, m from it, and their slopes by the normals.
 struct NodeSamples {
   std::vector<PlaneSample> all;
   std::vector<PlaneSample> near;  ///< within 1 m: what the plane is fitted to
@@ -212,7 +212,7 @@ NodeSamples samples_of_road(const SampleGrid& grid, const std::vector<double>& r
   return samples;
 }
 
-/// The median of what the normals say, and the spread about it (1 sigma, from the median deviation).
+/// The median slope by the normals, and its spread (1 sigma, from the median deviation).
 void judge_normals(std::vector<double>& slopes_x, std::vector<double>& slopes_y, GroundNode& node) {
   node.normal_slope = {quantile_in_place(slopes_x, 0.5), quantile_in_place(slopes_y, 0.5)};
   for (double& s : slopes_x) s = std::abs(s - node.normal_slope.x());
@@ -220,7 +220,7 @@ void judge_normals(std::vector<double>& slopes_x, std::vector<double>& slopes_y,
   node.normal_noise = 1.4826 * std::max(quantile_in_place(slopes_x, 0.5), quantile_in_place(slopes_y, 0.5));
 }
 
-/// A robust plane that begins at the median height and leans as the rough ground does.
+/// A robust plane, started at the median height with the slope of the rough ground.
 Plane fit_ground(const std::vector<PlaneSample>& samples, const Plane& rough) {
   std::vector<double> heights;
   heights.reserve(samples.size());
@@ -281,7 +281,7 @@ GroundSurface::GroundSurface(const tile::Around<GroundModel>& models) {
   }
 }
 
-/// visit(weight, node, dx, dy) for the up to four nodes around; returns the sum of the weights.
+/// Calls visit(weight, node, dx, dy) for the up to four nodes around; returns the sum of the weights.
 template <class Visit>
 double GroundSurface::blend(double x, double y, Visit visit) const {
   const double column = (x + kTileSize) / GroundModel::kCell - 0.5;

@@ -14,8 +14,8 @@ namespace curbstone::semantic_map::ground {
 struct GroundNode {
   bool valid = false;
   Plane plane;                                             ///< about the node: m in map
-  Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();  ///< slope by the normals around, median
-  double normal_noise = 0;                                 ///< its spread (1 sigma, from the median deviation)
+  Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();  ///< slope by the normals nearby, median
+  double normal_noise = 0;                                 ///< its noise (1 sigma, from the median deviation)
   double layer_noise = 0;  ///< m, 1 sigma of the ground's height from scan line to scan line around
   Eigen::Vector2d coarse_tilt =
       Eigen::Vector2d::Zero();  ///< slope of all ground within 1.5 m against the rough ground's
@@ -37,12 +37,12 @@ struct GroundModel {
   }
 };
 
-/// Whether a GroundSurface is the same with either. (The road heights, some of which are NaN, are no part of it.)
+/// Whether both models give the same GroundSurface. (The road heights, some of which are NaN, are no part of it.)
 [[nodiscard]] inline bool is_same_surface(const GroundModel& a, const GroundModel& b) {
   return a.nodes == b.nodes && a.rough == b.rough;
 }
 
-/// Of a tile, from the samples of it and its neighbours.
+/// Models the ground of a tile, from its samples and its neighbours'.
 [[nodiscard]] GroundModel model_ground(const tile::Around<GroundSamples>& samples);
 
 /// The ground at a place.
@@ -54,7 +54,7 @@ struct GroundAt {
   Eigen::Vector2d coarse_tilt = Eigen::Vector2d::Zero();
 };
 
-/// The part of GroundAt that is needed for every point.
+/// The part of GroundAt that every point needs.
 struct GroundBelow {
   double height = 0;  ///< m in map
   Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();
@@ -65,12 +65,12 @@ struct GroundBelow {
 class GroundSurface {
  public:
   explicit GroundSurface(const tile::Around<GroundModel>& models);
-  /// x, y: m from the centre tile's corner. Nothing where no ground has been seen around.
+  /// x, y: m from the centre tile's corner. Nothing if no ground has been seen nearby.
   [[nodiscard]] std::optional<GroundAt> at(double x, double y) const;
-  /// The same, less what only some places need.
+  /// The same without the fields that few callers need.
   [[nodiscard]] std::optional<GroundBelow> below(double x, double y) const;
   [[nodiscard]] std::optional<double> height(double x, double y) const;
-  /// Falls back to the rough ground of the centre tile: for walls that stand where the ground is hidden.
+  /// As below(), but falls back to the rough ground of the centre tile: for walls where the ground is hidden.
   [[nodiscard]] std::optional<double> height_or_rough(double x, double y) const;
 
  private:

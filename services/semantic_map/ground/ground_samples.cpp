@@ -12,7 +12,7 @@ namespace curbstone::semantic_map::ground {
 
 namespace {
 
-constexpr float kLayer = 0.12F;        // m: what lies this close above the lowest point is one layer
+constexpr float kLayer = 0.12F;        // m: points this close above the lowest one form one layer
 constexpr float kOutlierShare = 0.1F;  // of a cell's points that may be too low (multiple reflections)
 
 /// A point that may be ground.

@@ -12,7 +12,7 @@ namespace curbstone::semantic_map::ground {
 struct GroundSample {
   float x = 0, y = 0;              ///< m from the tile's corner: centroid of the layer
   float z = 0;                     ///< m in map
-  float slope_x = 0, slope_y = 0;  ///< mean of what the normals say: -n.x / n.z
+  float slope_x = 0, slope_y = 0;  ///< mean slope by the normals: -n.x / n.z
   float spread = 0;                ///< m, RMS of the layer's heights about that slope
   int count = 0;                   ///< points; 0: no sample
   bool operator==(const GroundSample&) const = default;
@@ -29,10 +29,11 @@ struct GroundSamples {
   bool operator==(const GroundSamples&) const = default;
 };
 
-/// Of one tile alone.
+/// Computes the samples of one tile, without its neighbours.
 [[nodiscard]] GroundSamples sample_ground(const tile::VotedTile& tile, const tile::CurbParameters& parameters);
 
-/// The vote saw a single scan line: it knows of no surface, and nothing against one (tensor_voting.md, section 6).
+/// The vote had a single scan line: it is no evidence for a surface, and none against one (tensor_voting.md, section
+/// 6).
 [[nodiscard]] inline bool is_scan_line(const tile::VotedTensor& point) {
   return point.plate > 0.5F;
 }

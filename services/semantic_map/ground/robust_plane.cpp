@@ -8,7 +8,7 @@ namespace curbstone::semantic_map::ground {
 
 namespace {
 
-/// Of each sample, how much it counts against a plane.
+/// The weight of each sample for a plane.
 void weigh(const std::vector<PlaneSample>& samples, const Plane& plane, const PlaneFit& fit,
            std::vector<double>& weights) {
   for (std::size_t i = 0; i < samples.size(); ++i) {

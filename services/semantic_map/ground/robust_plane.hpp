@@ -20,9 +20,9 @@ struct PlaneSample {
 };
 
 struct PlaneFit {
-  double scale_above = 0.05;  ///< m: residuals beyond it count less and less (Cauchy weights)
+  double scale_above = 0.05;  ///< m: larger residuals are down-weighted (Cauchy weights)
   double scale_below = 0.05;
-  double slope_sigma = 0.1;  ///< how far the slope may stray from `prior`, against `sample_sigma` of one sample
+  double slope_sigma = 0.1;  ///< standard deviation of the slope about `prior`, against `sample_sigma` of one sample
   double sample_sigma = 0.05;
   int iterations = 8;
 };

@@ -24,7 +24,7 @@ PackedValues pack(const TileLayers& layers) {
   return packer.pack();
 }
 
-/// Throws std::runtime_error if these are no packed layers.
+/// Throws std::runtime_error if the data are not packed layers.
 std::unique_ptr<TileLayers> unpack(const PackedValues& packed) {
   ValueUnpacker unpacker(packed);
   auto layers = std::make_unique<TileLayers>();

@@ -10,7 +10,7 @@
 
 namespace curbstone::semantic_map::layers {
 
-/// What of a tile nobody but the steps of it and of its neighbours reads.
+/// The parts of a tile that only the steps of this tile and of its neighbours read.
 struct TileLayers {
   tile::VotedTile voted;
   ground::GroundSamples samples;
@@ -18,8 +18,8 @@ struct TileLayers {
   markings::PaintLayer paint;
 };
 
-/// The layers of a tile, which are nearly all of its memory and may sleep: packed, and in a file where there is one,
-/// until somebody looks at them again. What wakes has every bit that it had. Copies are of their own.
+/// The layers of a tile, nearly all of its memory. They may sleep: packed, and in a file if there is one, until they
+/// are read again. They wake bit-identical. Copies are independent.
 class SleepingLayers {
  public:
   SleepingLayers() = default;
@@ -32,9 +32,9 @@ class SleepingLayers {
 
   [[nodiscard]] bool asleep() const { return !awake_; }
   void sleep(SpillFile& file);
-  /// False if the file cannot be read: then they are empty, as of a tile of which nothing has come.
+  /// False if the file cannot be read: then the layers are empty, like those of a tile without points.
   [[nodiscard]] bool wake();
-  /// Not of layers that sleep.
+  /// Must not be called while the layers sleep.
   [[nodiscard]] TileLayers* operator->() { return awake_.get(); }
   [[nodiscard]] const TileLayers* operator->() const { return awake_.get(); }
 

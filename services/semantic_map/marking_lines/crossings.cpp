@@ -13,12 +13,12 @@ constexpr double kShortestBar = 1.2;   // m
 constexpr double kLongestBar = 8.0;    // m
 constexpr double kNarrowestBar = 0.2;  // m
 constexpr double kAlike = 0.97;        // cosine between bars
-constexpr double kNearest = 0.5;       // m from middle to middle, across
+constexpr double kNearest = 0.5;       // m between centres, across the bars
 constexpr double kFarthest = 1.7;      // m
-constexpr double kShift = 0.8;         // m along each other
+constexpr double kShift = 0.8;         // m, offset along each other
 constexpr double kUneven = 0.35;       // of the median distance
-constexpr double kBeyond = 0.3;        // m that paint may go on beyond the ends of the bars beside it
-constexpr double kWhole = 0.6;         // of the crossing's width, of a bar that is seen as a whole
+constexpr double kBeyond = 0.3;        // m by which paint may extend beyond the ends of the neighbouring bars
+constexpr double kWhole = 0.6;         // of the crossing's width: a bar at least this long is complete
 constexpr std::size_t kFewestBars = 3;
 
 bool is_bar(const MarkingPiece& piece) {
@@ -35,7 +35,7 @@ bool are_side_by_side(const MarkingPiece& a, const MarkingPiece& b) {
          std::min(a.length(), b.length()) > 0.6 * std::max(a.length(), b.length());
 }
 
-/// Where the bars of a crossing lie: `across` them from bar to bar, each from `begin` to `end` along.
+/// The bars of a crossing: `across` leads from bar to bar, each from `begin` to `end` along.
 struct Crossing {
   Eigen::Vector2d along = Eigen::Vector2d::UnitX();
   Eigen::Vector2d across = Eigen::Vector2d::UnitY();
@@ -68,12 +68,12 @@ struct Crossing {
   }
   [[nodiscard]] bool has_pace(double gap) const { return std::abs(gap - apart) <= kUneven * apart; }
 
-  /// All of it neither before nor behind its bars, but for `slack`, m.
+  /// Whether a piece lies between `begin` and `end`, with a tolerance of `slack` m.
   [[nodiscard]] bool is_between_ends(const MarkingPiece& piece, double slack) const {
     const auto [from, to] = std::minmax({piece.begin_at.dot(along), piece.end_at.dot(along)});
     return from >= begin - slack && to <= end + slack;
   }
-  /// The next bar, or one that was missed, of which only a part is seen.
+  /// Whether a piece is the next bar, or a missed one of which only a part is seen.
   [[nodiscard]] bool goes_on_with(const MarkingPiece& piece) const {
     if (piece.width < kNarrowestBar || std::abs(piece.direction().dot(along)) < kAlike ||
         !is_between_ends(piece, kBeyond))
@@ -88,14 +88,14 @@ struct Crossing {
     const double place = bar.middle().dot(across);
     places.insert(std::lower_bound(places.begin(), places.end(), place), place);
   }
-  /// Another part of one of its bars, or what is linked of their paint across them: nothing else is painted there.
+  /// Whether a piece is another part of a bar, or was linked from the bars' paint: nothing else is painted there.
   [[nodiscard]] bool holds(const MarkingPiece& piece) const {
     const auto [left, right] = std::minmax({piece.begin_at.dot(across), piece.end_at.dot(across)});
     return is_between_ends(piece, 0) && left >= places.front() - apart / 2 && right <= places.back() + apart / 2;
   }
 };
 
-/// Bars in order across them.
+/// Sorts bars across their direction.
 tile::MarkingLine line_of(std::vector<const MarkingPiece*> bars, const Crossing& crossing) {
   const auto place = [&](const MarkingPiece* bar) { return bar->middle().dot(crossing.across); };
   std::sort(bars.begin(), bars.end(),
@@ -113,7 +113,7 @@ tile::MarkingLine line_of(std::vector<const MarkingPiece*> bars, const Crossing&
     contrast += bar.contrast / static_cast<double>(bars.size());
     if (i > 0) gaps.push_back(place(&bar) - place(bars[i - 1]) - (bar.width + bars[i - 1]->width) / 2);
     const double z = bar.samples[bar.samples.size() / 2].values.z();
-    // Of a bar of which only a part is seen the middle is not its own.
+    // The centre of a bar that is seen in part is not the bar's centre.
     const bool is_whole = bar.length() > kWhole * (crossing.end - crossing.begin);
     if (is_whole) lengths.push_back(bar.length());
     const Eigen::Vector2d at = is_whole ? bar.middle() : middle * crossing.along + place(&bar) * crossing.across;
@@ -128,7 +128,7 @@ tile::MarkingLine line_of(std::vector<const MarkingPiece*> bars, const Crossing&
   return line;
 }
 
-/// Groups of bars side by side, by their places among the pieces.
+/// Groups of bars side by side, as indices of pieces.
 std::vector<std::vector<std::size_t>> group_bars(const std::vector<MarkingPiece>& pieces) {
   std::vector<std::size_t> group(pieces.size());
   std::iota(group.begin(), group.end(), 0);

@@ -7,8 +7,9 @@
 
 namespace curbstone::semantic_map::marking_lines {
 
-/// Pedestrian crossings: three or more broad bars side by side at even distances, and those of which only a part is
-/// seen. Takes their pieces out, and what seems to lie across their bars: nothing else is painted there.
+/// Finds pedestrian crossings: three or more broad bars side by side at even distances, and neighbouring bars of which
+/// only a part is seen. Removes their pieces, and pieces that seem to lie across their bars: nothing else is painted
+/// there.
 [[nodiscard]] std::vector<tile::MarkingLine> take_crossings(std::vector<MarkingPiece>& pieces);
 
 }  // namespace curbstone::semantic_map::marking_lines

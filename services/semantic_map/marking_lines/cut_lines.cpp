@@ -9,13 +9,13 @@ namespace {
 
 using tile::MarkingVertex;
 
-/// Which part of the way from one vertex to the next lies in the box; 0 and 1 are the vertices.
+/// The part of the segment between two vertices that lies in the box; 0 and 1 are the vertices.
 struct Share {
   double begin = 0;
   double end = 1;
 };
 
-/// Liang and Barsky's clipping. Nothing: the way passes the box by.
+/// Liang-Barsky clipping. Nothing if the segment misses the box.
 std::optional<Share> share_within(const MarkingVertex& from, const MarkingVertex& to, const Eigen::Vector2d& min,
                                   const Eigen::Vector2d& max) {
   const Eigen::Vector2d begin(double{from.x}, double{from.y});

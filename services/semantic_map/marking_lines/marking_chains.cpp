@@ -12,21 +12,21 @@ namespace {
 
 constexpr double kVoteSigma = 0.5;      // m, of the vote
 constexpr double kLeastMass = 1.2;      // a row of single cells has 4 at each place, 2 at its ends
-constexpr double kLeastStick = 0.25;    // where lines cross there is none
-constexpr double kAcrossRidge = 0.30;   // m, that belong to a marking's middle
+constexpr double kLeastStick = 0.25;    // where lines cross there is no direction
+constexpr double kAcrossRidge = 0.30;   // m, of the cells that belong to the centre
 constexpr double kAlongRidge = 0.30;    // m
 constexpr double kRidgeSpacing = 0.10;  // m between ridge points
 constexpr double kRidgeGap = 0.90;      // m from one to the next
-constexpr double kOffTangent = 0.15;    // m off the line, and a share of the distance
+constexpr double kOffTangent = 0.15;    // m off the line, plus a share of the distance
 constexpr double kOffTangentShare = 0.2;
 constexpr double kAlikeTangents = 0.75;  // cosine between tangents
 constexpr double kArm = 0.8;             // m of a chain on either side of a corner
 constexpr double kCorner = 0.7;          // cosine between the two: where lines meet, the vote's tangents turn smoothly
-constexpr double kOtherWidth = 2.2;      // times: of one line it does not change
-constexpr double kBar = 0.35;            // m: at least as wide is the bar of a crossing
-constexpr double kAboutCorner = 0.3;     // m of a chain that belong to neither
+constexpr double kOtherWidth = 2.2;      // factor: along one line the width does not change by as much
+constexpr double kBar = 0.35;            // m: bars of crossings are at least as wide
+constexpr double kAboutCorner = 0.3;     // m of a chain at a corner that belong to neither side
 
-/// The middle of the paint across the line through `at`.
+/// The centre of the paint across the line through `at`.
 RidgePoint on_ridge(const MarkingField& field, const Eigen::Vector2d& at, const PlaneVote& vote) {
   const Eigen::Vector2d normal(-vote.tangent.y(), vote.tangent.x());
   RidgePoint point;
@@ -83,7 +83,7 @@ std::vector<RidgePoint> thinned(std::vector<RidgePoint> points) {
   return kept;
 }
 
-/// Follows ridge points from one to the next.
+/// Links each ridge point to the next.
 class RidgeFollower {
  public:
   explicit RidgeFollower(const std::vector<RidgePoint>& points) : points_(points), used_(points.size()) {
@@ -116,7 +116,7 @@ class RidgeFollower {
       from = next;
     }
   }
-  /// points_.size() if there is none.
+  /// points_.size() if there is no next point.
   [[nodiscard]] std::size_t nearest(std::size_t from, const Eigen::Vector2d& ahead) const {
     std::size_t best = points_.size();
     double best_distance = kRidgeGap;
@@ -147,14 +147,14 @@ class RidgeFollower {
   std::unordered_map<TileKey, std::vector<std::size_t>, TileKeyHash> grid_;
 };
 
-/// How far a chain has come at each of its points, m.
+/// Arc length of a chain at each of its points, m.
 std::vector<double> lengths_along(const MarkingChain& chain) {
   std::vector<double> lengths(chain.size());
   for (std::size_t i = 1; i < chain.size(); ++i) lengths[i] = lengths[i - 1] + (chain[i].at - chain[i - 1].at).norm();
   return lengths;
 }
 
-/// Puts a chain into `parts`, cut at its corners: there it went over from one line to another.
+/// Adds a chain to `parts`, cut at its corners, where it went over from one line to another.
 void cut_at_corners(const MarkingChain& chain, std::vector<MarkingChain>& parts) {
   const std::vector<double> lengths = lengths_along(chain);
   double sharpest = kCorner;
@@ -186,8 +186,8 @@ void cut_at_corners(const MarkingChain& chain, std::vector<MarkingChain>& parts)
   cut_at_corners(second, parts);
 }
 
-/// Puts a chain into `parts`, cut where it went over from a line to the bar of a crossing, or back: there its width
-/// changes.
+/// Adds a chain to `parts`, cut where its width changes: there it went over from a line to the bar of a crossing, or
+/// back.
 void cut_at_widths(const MarkingChain& chain, std::vector<MarkingChain>& parts) {
   const std::vector<double> lengths = lengths_along(chain);
   std::vector<double> sums(chain.size() + 1);

@@ -7,24 +7,24 @@
 
 namespace curbstone::semantic_map::marking_lines {
 
-/// A place on the middle of a marking.
+/// A point on the centre line of a marking.
 struct RidgePoint {
   Eigen::Vector2d at = Eigen::Vector2d::Zero();        ///< m in map
-  Eigen::Vector2d tangent = Eigen::Vector2d::UnitX();  ///< unit, along the marking; in a chain, the way that it goes
+  Eigen::Vector2d tangent = Eigen::Vector2d::UnitX();  ///< unit, along the marking; in a chain, in its direction
   double z = 0;
   double mass = 0;  ///< of the vote
   double contrast = 0;
-  double width = 0;  ///< m, of the paint about it
+  double width = 0;  ///< m, of the paint here
 };
 using MarkingChain = std::vector<RidgePoint>;
 
 struct ChainOptions {
-  bool vote = true;  ///< off: no cell needs company (ablation)
+  bool vote = true;  ///< off: cells need no support by others (ablation)
 };
 
-/// Strong cells that the vote finds on a line, moved onto its middle, thinned to one each decimetre and linked from one
-/// to the next along it, cut where the line turns a corner and where its width changes: the uninterrupted pieces of
-/// paint. The same cells in the same order give the same chains.
+/// Finds the uninterrupted pieces of paint: strong cells on a line by the vote are moved onto its centre, thinned to
+/// one each decimetre, and linked along it; chains are cut at corners and where the width changes. The same cells in
+/// the same order give the same chains.
 [[nodiscard]] std::vector<MarkingChain> chain_markings(const MarkingField& field, const ChainOptions& options);
 
 }  // namespace curbstone::semantic_map::marking_lines

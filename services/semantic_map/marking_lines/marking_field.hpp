@@ -10,18 +10,18 @@
 
 namespace curbstone::semantic_map::marking_lines {
 
-/// A cell of paint, or of what lies beside it, in the map frame.
+/// A cell of paint, or of the ground beside it, in the map frame.
 struct MapMarkingCell {
   Eigen::Vector2d at = Eigen::Vector2d::Zero();  ///< m
   double z = 0;
-  double contrast = 0;  ///< -255..255 over the ground around
+  double contrast = 0;  ///< -255..255, relative to the ground around
   bool is_strong = false;
   bool is_bright = true;  ///< off: bare ground
-  double count = 1;       ///< points that tell its contrast
+  double count = 1;       ///< points that the contrast is computed from
   double level = 0;       ///< 0..255, of the ground around
 };
 
-/// The cells, to be found by place.
+/// The cells, searchable by place.
 class MarkingField {
  public:
   explicit MarkingField(const std::vector<MapMarkingCell>& cells) : cells_(cells) {
@@ -32,13 +32,13 @@ class MarkingField {
   }
   [[nodiscard]] const std::vector<MapMarkingCell>& cells() const { return cells_; }
 
-  /// visit(index, offset from `at`) of all bright cells within a square of 2 `reach` about `at`, in an order that
-  /// depends on the cells alone.
+  /// Calls visit(index, offset from `at`) for all bright cells within a square of 2 `reach` about `at`, in an order
+  /// that depends on the cells alone.
   template <class Visit>
   void within(const Eigen::Vector2d& at, double reach, Visit visit) const {
     within(bright_, at, reach, visit);
   }
-  /// Those of bare ground, too.
+  /// The same, including the cells of bare ground.
   template <class Visit>
   void all_within(const Eigen::Vector2d& at, double reach, Visit visit) const {
     within(all_, at, reach, visit);

@@ -10,15 +10,15 @@
 
 namespace curbstone::semantic_map::marking_lines {
 
-/// Cells of paint to lines with a type: chained along the vote's tangents (chain_markings()), measured, bars of
-/// crossings taken out, the rest joined across gaps, a smoothing spline through each. Pieces shorter than 0.8 m that
-/// nothing goes on are left out. `path`: driven, m in map. Ids count from 0. The same cells in the same order give the
-/// same lines.
+/// Links cells of paint to typed lines: chains along the vote's tangents (chain_markings()), measured pieces, without
+/// the bars of crossings, joined across gaps, with a smoothing spline through each line. Isolated pieces shorter than
+/// 0.8 m are left out. `path`: as driven, m in map. Ids count from 0. The same cells in the same order give the same
+/// lines.
 [[nodiscard]] std::vector<tile::MarkingLine> link_marking_cells(const std::vector<MapMarkingCell>& cells,
                                                                 const tile::DrivenPath& path,
                                                                 const markings::MarkingParameters& parameters);
 
-/// Gives lines the ids that the lines near them had before, and new ones new ids.
+/// Matches lines to earlier ones nearby and reuses their ids; new lines get new ids.
 class MarkingLineIds {
  public:
   void assign(std::vector<tile::MarkingLine>& lines);

@@ -53,7 +53,7 @@ std::vector<SmoothingSpline::Sample> lay_out(const MarkingChain& chain) {
   return samples;
 }
 
-/// The cells about a piece, by the nearest place of the spline among steps of 0.1 m; its ends are prolonged.
+/// The cells around a piece, by the nearest place of the spline among steps of 0.1 m; its ends are extended.
 std::vector<AlongCell> cells_along(const MarkingField& field, const SmoothingSpline& spline, double reach) {
   constexpr double kStep = 0.1;
   std::vector<AlongCell> cells;
@@ -83,7 +83,7 @@ bool is_tar(const AlongCell& cell, double level) {
   return cell.contrast + cell.level < std::min(markings::kDarkestRoad, level - kTar);
 }
 
-/// The share of tar in what lies along one edge of a piece; `sense` as of ground_beside().
+/// The share of tar along one edge of a piece; `sense` as in ground_beside().
 double tar_along(const std::vector<AlongCell>& cells, double last, double half_width, double sense, double level) {
   double tar = 0;
   double all = 0;
@@ -96,9 +96,9 @@ double tar_along(const std::vector<AlongCell>& cells, double last, double half_w
   return all > 0 ? tar / all : 0;
 }
 
-/// How bright the ground beside a piece is, `sense` 1 to its left, -1 to its right: within a patch the ground around is
-/// the patch, so all is measured over the piece's own `level`. Another line may lie there, so the darkest quarter of
-/// the points counts. Nothing where none is seen.
+/// Contrast of the ground beside a piece, `sense` 1 to its left, -1 to its right. It is relative to the piece's own
+/// `level`, since within a patch the ground around is the patch. Another line may lie there, so the darkest quarter of
+/// the points counts. Nothing if none was seen.
 std::optional<double> ground_beside(const std::vector<AlongCell>& cells, double last, double half_width, double sense,
                                     double level) {
   std::vector<std::pair<double, double>> seen;  // contrast and points
@@ -126,7 +126,7 @@ double quantile_of(std::vector<double> values, double share) {
   return *at;
 }
 
-/// How bright a piece's paint is, and how much of it there is.
+/// Brightness and amount of a piece's paint.
 struct PaintAmount {
   double contrast = 0;   ///< 0..255, of its core
   double level = 0;      ///< 0..255, of the ground around the core
@@ -136,7 +136,7 @@ struct PaintAmount {
   [[nodiscard]] double width() const { return per_metre * kCellArea / contrast; }  ///< m
 };
 
-/// How bright the cells about a place across a piece are, and the ground around them.
+/// Brightness of the cells across a piece at a place, and of the ground around them.
 PaintAmount measure_core(const std::vector<AlongCell>& cells, double middle) {
   PaintAmount core;
   std::vector<double> contrasts;
@@ -169,7 +169,7 @@ PaintAmount measure_paint(const std::vector<AlongCell>& cells, double last) {
   return paint;
 }
 
-/// Paint ends where as much of it as lies in the margin would end, at the piece's own amount: finer than a cell.
+/// The end of the paint: the amount found in the margin, at the piece's own amount per metre; finer than a cell.
 void find_ends(const std::vector<AlongCell>& cells, const PaintAmount& paint, double last, MarkingPiece& piece) {
   double before = 0;
   double behind = 0;

@@ -21,20 +21,20 @@ struct MarkingPiece {
   double contrast = 0;  ///< 0..255, of the paint
 
   std::optional<double> left, right;  ///< as `contrast`, of what lies 0.10 to 0.46 m from its edges, if seen
-  double tar = 0;                     ///< 0..1, of the cells along one of its edges: a seam that was filled
+  double tar = 0;                     ///< 0..1, share of tar in the cells along one of its edges: a filled seam
 
   [[nodiscard]] double length() const { return end - begin; }
   [[nodiscard]] Eigen::Vector2d middle() const { return 0.5 * (begin_at + end_at); }
   [[nodiscard]] Eigen::Vector2d direction() const { return (end_at - begin_at).normalized(); }
 };
 
-/// Nothing if the chain is too short to be anything. Where paint ends, and how wide it is, follows from how much of it
-/// there is: finer than a cell.
+/// Measures a piece; nothing if the chain is too short. The ends and the width follow from the amount of paint, so they
+/// are finer than a cell.
 [[nodiscard]] std::optional<MarkingPiece> measure_piece(const MarkingField& field, const MarkingChain& chain);
 
-/// Whether a piece is brighter, along all of it, than the ground on both its sides. The edge of a patch or of a
-/// pavement has one dark side, and so has the stone of a kerb. A broad piece must be brighter than a line, and more so
-/// along a seam: there the asphalt was mended. A side that is not seen says nothing.
+/// Whether a piece is brighter, along its whole length, than the ground on both sides. The edge of a patch or of a
+/// pavement, and a kerbstone, have one dark side only. A broad piece must be brighter than a line, and more so along a
+/// seam, where the asphalt was mended. A side that was not seen is not judged.
 [[nodiscard]] bool is_paint(const MarkingPiece& piece, const markings::MarkingParameters& parameters);
 
 }  // namespace curbstone::semantic_map::marking_lines

@@ -21,19 +21,19 @@ using curb_lines::SmoothingSpline;
 using tile::MarkingType;
 
 constexpr double kLongestGap = 9.0;   // m
-constexpr double kGapOfLength = 4.0;  // gaps are no longer than so many times the shorter piece
-constexpr double kOffEnd = 0.12;      // m off each other's line, and a share of the gap
+constexpr double kGapOfLength = 4.0;  // longest gap, in lengths of the shorter piece
+constexpr double kOffEnd = 0.12;      // m off each other's line, plus a share of the gap
 constexpr double kOffEndShare = 0.06;
 constexpr double kAlikeEnds = 0.94;  // cosine between an end's direction and the way across
 constexpr double kWidthAlike = 2.2;
 constexpr double kVertexSpacing = 0.20;  // m between vertices
 constexpr double kGapSpacing = 1.0;      // m between vertices where there is no paint
-constexpr double kSolid = 4.2;           // m: a single piece that is longer is no dash
+constexpr double kSolid = 4.2;           // m: a longer piece is not a dash
 constexpr double kShortSolid = 3.0;      // m: a line of pieces with holes
 constexpr double kHole = 0.6;            // m: in a line that is worn
 constexpr double kWornShare = 0.8;       // painted, of a line that is worn
 constexpr double kDashUneven = 0.4;      // of the median
-constexpr double kDashOfGap = 2.2;       // dashes are no longer than so many times their gaps: else those are holes
+constexpr double kDashOfGap = 2.2;       // longest dash, in lengths of its gaps: with longer ones the gaps are holes
 constexpr double kLongestDash = 6.5;     // m
 constexpr double kStopWidth = 0.24;      // m
 constexpr double kShortestStop = 1.5;    // m
@@ -57,7 +57,7 @@ const Eigen::Vector2d& out(const std::vector<MarkingPiece>& pieces, std::size_t 
   return is_first(end) ? piece_at(pieces, end).begin_direction : piece_at(pieces, end).end_direction;
 }
 
-/// How far apart two ends are, if each points at the other; else nothing better than infinity.
+/// Distance of two ends, if each points at the other; otherwise infinity.
 double gap_between(const std::vector<MarkingPiece>& pieces, std::size_t a, std::size_t b) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   const MarkingPiece& p = piece_at(pieces, a);
@@ -96,7 +96,7 @@ bool is_uniform(const std::vector<double>& values) {
   return 3 * static_cast<std::size_t>(alike) >= 2 * values.size();
 }
 
-/// Dashes and gaps repeat. Of many dashes the first and last do not count: the ends of a line may be cut off.
+/// Whether dashes and gaps repeat. Of many dashes the first and last are ignored, for the line may be cut off there.
 bool are_periodic(const std::vector<double>& dashes, const std::vector<double>& gaps) {
   const std::vector<double> inner =
       dashes.size() > 3 ? std::vector<double>(dashes.begin() + 1, dashes.end() - 1) : dashes;
@@ -108,7 +108,7 @@ bool lies_across(const MarkingPiece& piece, const tile::DrivenPath& path) {
   return way && std::abs(way->dot(piece.direction())) < kStopAcross;
 }
 
-/// What a string of pieces is, from lengths and gaps (m).
+/// The type of a string of pieces, from lengths and gaps (m).
 MarkingType type_of(const MarkingString& string, const std::vector<double>& dashes, const std::vector<double>& gaps,
                     const tile::DrivenPath& path) {
   const MarkingPiece& piece = string.front();
@@ -133,7 +133,7 @@ MarkingType type_of(const MarkingString& string, const std::vector<double>& dash
   return MarkingType::kUnknown;
 }
 
-/// Whether the way from a to b leads over a crossing's bars.
+/// Whether the segment from a to b crosses the bars of a crossing.
 bool is_across(const tile::MarkingLine& crossing, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const auto place = [](const tile::MarkingVertex& v) { return Eigen::Vector2d(double{v.x}, double{v.y}); };
   const auto side = [](const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Eigen::Vector2d& at) {
@@ -146,7 +146,7 @@ bool is_across(const tile::MarkingLine& crossing, const Eigen::Vector2d& a, cons
   return side(first, last, a) * side(first, last, b) < 0 && side(a, b, first) * side(a, b, last) < 0;
 }
 
-/// Every two ends that point at each other.
+/// All pairs of ends that point at each other.
 std::vector<Joint> find_joints(const std::vector<MarkingPiece>& pieces,
                                const std::vector<tile::MarkingLine>& crossings) {
   const auto square = [&](std::size_t end) {
@@ -178,7 +178,7 @@ std::vector<Joint> find_joints(const std::vector<MarkingPiece>& pieces,
   return joints;
 }
 
-/// From a free end on, from piece to piece, each in the sense in which it is entered.
+/// Follows joints from a free end, each piece in the direction in which it is entered.
 MarkingString follow(std::size_t end, const std::vector<MarkingPiece>& pieces,
                      const std::vector<std::size_t>& partner) {
   MarkingString string;
@@ -187,7 +187,7 @@ MarkingString follow(std::size_t end, const std::vector<MarkingPiece>& pieces,
   return string;
 }
 
-/// Where a string's paint begins and ends along it, m, piece by piece, and the samples of all of them.
+/// Begin and end of the paint along a string, m, piece by piece, and the samples of all pieces.
 struct LaidOutString {
   struct Painted {
     double begin, end;
@@ -211,12 +211,12 @@ LaidOutString lay_out(const MarkingString& string) {
   return laid;
 }
 
-/// Along the spline: close together on paint, farther apart where there is none.
+/// Vertices along the spline: dense on paint, sparse in gaps.
 std::vector<tile::MarkingVertex> vertices_of(const SmoothingSpline& spline,
                                              const std::vector<LaidOutString::Painted>& painted) {
   std::vector<tile::MarkingVertex> vertices;
   const auto add = [&](double s, bool is_painted) {
-    // Beyond the samples a line goes straight on.
+    // Beyond the samples a line is extended straight.
     const double inside = std::clamp(s, spline.begin(), spline.end());
     const SmoothingSpline::Values values = spline.at(inside);
     const Eigen::Vector2d along = spline.derivative(inside).head<2>().normalized();

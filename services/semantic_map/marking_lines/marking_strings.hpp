@@ -9,15 +9,16 @@
 
 namespace curbstone::semantic_map::marking_lines {
 
-/// Pieces that follow each other along one line, each in the line's sense.
+/// Consecutive pieces of one line, each in the line's direction.
 using MarkingString = std::vector<MarkingPiece>;
 
-/// Joins pieces where both ends point across a gap, of up to 9 m, the shortest gaps first. Not across `crossings`:
-/// there a line ends.
+/// Joins pieces whose ends point at each other across a gap of up to 9 m, the shortest gaps first. Not across
+/// `crossings`, where a line ends.
 [[nodiscard]] std::vector<MarkingString> join_pieces(const std::vector<MarkingPiece>& pieces,
                                                      const std::vector<tile::MarkingLine>& crossings);
 
-/// One spline through all its pieces; typed by its dashes and gaps. `path`: driven, m in map; a stop line lies across.
+/// One spline through all pieces; the type follows from dashes and gaps. `path`: as driven, m in map; a stop line lies
+/// across it.
 [[nodiscard]] tile::MarkingLine line_of(const MarkingString& string, const tile::DrivenPath& path);
 
 [[nodiscard]] double median_of(std::vector<double> values);  ///< 0 of none

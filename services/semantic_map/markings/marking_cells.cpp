@@ -42,7 +42,7 @@ class Patch {
       }
     }
   }
-  /// From the centre tile's lowest cell.
+  /// Indexed from the centre tile's lowest cell.
   [[nodiscard]] const Brightness& at(int column, int row) const {
     return cells_[static_cast<std::size_t>((row + kMargin) * kPatchSide + column + kMargin)];
   }
@@ -64,11 +64,11 @@ class Patch {
   std::array<Brightness, static_cast<std::size_t>(kPatchSide* kPatchSide)> cells_{};
 };
 
-/// How bright the ground around a block of cells is, from the lower half of what is there: paint is brighter, and of a
-/// crossing half is paint. Not from its end: tar is darker. For a normal distribution the 45 % quantile lies 0.126 and
-/// the 25 % quantile 0.674 sigma below the middle. A middle that is brighter than any road is pavement's, or neither
-/// road's nor pavement's: beside it slabs a little brighter than others would look like paint. There the darker part is
-/// the road.
+/// Level of the ground around a block of cells, from the lower half of its cells: paint is brighter, and half of a
+/// crossing is paint. The very end of the distribution is not used: tar is darker. For a normal distribution the 45 %
+/// quantile lies 0.126 and the 25 % quantile 0.674 sigma below the middle. A middle brighter than any road is of
+/// pavement, or a mixture of road and pavement; with it, slightly brighter slabs would look like paint. There the
+/// darker part is taken as the road.
 std::optional<double> level_around(const Patch& patch, int column0, int row0) {
   std::array<int, 256> histogram{};
   int known = 0;
@@ -94,13 +94,13 @@ std::optional<double> level_around(const Patch& patch, int column0, int row0) {
   const double middle = quantile(0.45);
   const double low = quantile(0.25);
   if (low > kBrightestRoad) return std::nullopt;
-  // Tar around does not make asphalt paint.
+  // Tar around does not turn asphalt into paint.
   if (middle > kBrightestRoad) return std::max(kDarkestRoad, low);
   const double spread = std::min(kMostSpread, (middle - low) / (0.674 - 0.126));
   return std::max(kDarkestRoad, middle + 0.126 * spread);
 }
 
-/// Cells of the two sides in each direction across: 0.36 and 0.48 m away, and a cell to either hand.
+/// Cells of the two sides in each direction across: 0.36 and 0.48 m away, and one cell to either hand.
 struct Side {
   std::array<std::array<int, 2>, 6> cells{};
 };
@@ -146,7 +146,7 @@ bool stands_out(const Patch& patch, int column, int row, double below, bool two_
   return false;
 }
 
-/// Beside a curb, or beyond it: the nearest curb straight across has its higher side there.
+/// Whether a place is beside a curb or beyond it: the nearest curb straight across has its higher side there.
 bool is_off_road(const tile::Around<std::vector<curbs::CurbPoint>>& curbs, double x, double y) {
   double nearest = kPavement;
   bool is_off = false;
@@ -176,8 +176,8 @@ double point_variance(const PaintLayer& layer) {
   return std::max(kLeastSpread * kLeastSpread, n > 0 ? squares / n : 0);
 }
 
-/// Where the brighter part of a cell is: its points weigh as they are brighter than the ground around. Of a cell that
-/// is not bright, the middle of its points.
+/// Centroid of the brighter part of a cell: points are weighted by their brightness over the ground around. For a cell
+/// that is not bright, the centroid of its points.
 MarkingCell place(const PaintCell& cell, int column, int row, double level, double contrast, bool is_bright) {
   const auto points = static_cast<double>(cell.count);
   const auto centroid = [&](std::uint32_t by, std::uint32_t sum) {
@@ -199,7 +199,7 @@ MarkingCell place(const PaintCell& cell, int column, int row, double level, doub
   return mark;
 }
 
-/// What the ground about each cell is, block by block; beyond the tile, as at its edge.
+/// Level of the ground around each cell, block by block; also beyond the tile's edge.
 class Levels {
  public:
   Levels(const Patch& patch, const MarkingParameters& parameters) {
@@ -219,7 +219,7 @@ class Levels {
   std::array<std::optional<double>, static_cast<std::size_t>(kBlocks* kBlocks)> levels_;
 };
 
-/// Which cells may be paint by their brightness alone, and what is near one, also beyond the tile.
+/// Cells that may be paint by their brightness alone, and cells near them, also beyond the tile.
 class NearBright {
  public:
   NearBright(const Patch& patch, const Levels& levels, double scatter, const MarkingParameters& parameters) {

@@ -13,17 +13,17 @@ namespace curbstone::semantic_map::markings {
 /// A cell that is brighter than the ground around it, or lies beside one.
 struct MarkingCell {
   std::uint8_t column = 0, row = 0;
-  bool is_strong = false;  ///< by itself a piece of paint
-  bool is_bright = false;  ///< tells where paint's edges are; the others, what is beside it
-  std::uint8_t count = 0;  ///< points that tell its contrast; 255: or more
-  float x = 0, y = 0;      ///< m from the tile's corner, centroid of what is brighter
+  bool is_strong = false;  ///< likely paint by itself
+  bool is_bright = false;  ///< part of the paint, for its edges; the others are the ground beside it
+  std::uint8_t count = 0;  ///< points that the contrast is computed from; 255: or more
+  float x = 0, y = 0;      ///< m from the tile's corner, centroid of the bright part
   float z = 0;             ///< m in map
   float contrast = 0;      ///< over the ground around, -255..255
   float level = 0;         ///< of that ground, 0..255
   bool operator==(const MarkingCell&) const = default;
 };
 
-/// What a tile's cells are judged by.
+/// Inputs for the cells of a tile.
 struct MarkingSurroundings {
   tile::Around<PaintLayer> paint;
   tile::Around<std::vector<curbs::CurbPoint>> curbs;

@@ -4,19 +4,19 @@
 
 namespace curbstone::semantic_map::markings {
 
-/// 0..255: no road is darker, three quarters of the median of roads. What is, is tar.
+/// 0..255: lower bound of a road's level, three quarters of the median of roads. Darker cells are tar.
 inline constexpr double kDarkestRoad = 48;
 
-/// How road markings are found. Intensities: 0..255, the road's median is 64.
+/// Parameters of road-marking detection. Intensities: 0..255, the road's median is 64.
 struct MarkingParameters {
   bool enabled = true;
   double min_contrast = 20;  ///< brighter than the ground around
   double min_sigmas = 1.5;   ///< and that many times its own uncertainty
-  double side_share = 0.4;   ///< of the contrast, that both sides must lie below, all along
+  double side_share = 0.4;   ///< share of the contrast by which both sides must be darker, along the whole piece
   bool local = true;         ///< against the ground around; off: against `level` everywhere (ablation)
-  double level = 64;         ///< what the road is, where `local` is off
+  double level = 64;         ///< the road's level, if `local` is off
   bool two_sided = true;     ///< off: one side is enough (ablation)
-  bool vote = true;          ///< off: no company is asked for (ablation)
+  bool vote = true;          ///< off: cells need no support by others (ablation)
 
   void visit(ConfigVisitor& v) {
     v.field("enabled", enabled, "look for road markings");

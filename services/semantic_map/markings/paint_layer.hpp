@@ -9,7 +9,7 @@
 
 namespace curbstone::semantic_map::markings {
 
-/// How bright the ground of a 0.12 m cell is: sums over its points, so that they do not depend on the points' order.
+/// Brightness of the ground in a 0.12 m cell: sums over its points, so that the points' order does not matter.
 struct PaintCell {
   std::uint32_t count = 0;
   std::uint32_t sum = 0;             ///< of intensities
@@ -26,7 +26,7 @@ struct PaintLayer {
   bool operator==(const PaintLayer&) const = default;
 };
 
-/// Of the points within 5 cm of the ground whose intensity is known (not 0).
+/// Sums up the points within 5 cm of the ground whose intensity is known (not 0).
 [[nodiscard]] PaintLayer lay_paint(const tile::VotedTile& tile, const ground::GroundSurface& ground);
 
 }  // namespace curbstone::semantic_map::markings

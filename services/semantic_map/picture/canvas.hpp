@@ -14,8 +14,8 @@ struct Colour {
 /// `share` of b over a, 0..1.
 [[nodiscard]] Colour mix(Colour a, Colour b, double share);
 
-/// An image of 8-bit RGB, drawn by Cairo; row 0 is the top. Drawing outside of it is cut off. Whole pixels get exactly
-/// the colour that was asked for; lines and text are anti-aliased.
+/// An image of 8-bit RGB, drawn with Cairo; row 0 is the top. Drawing outside of it is clipped. Filled pixels get the
+/// exact colour; lines and text are anti-aliased.
 class Canvas {
  public:
   /// At most kMaxSide pixels a side.
@@ -40,7 +40,7 @@ class Canvas {
   [[nodiscard]] int text_width(const std::string& text, int scale) const;
   static constexpr int kTextHeight = 7;
 
-  /// Returns what is wrong; nullptr if nothing.
+  /// Returns the error; nullptr if there is none.
   const char* write_png(const std::string& path) const;
 
  private:

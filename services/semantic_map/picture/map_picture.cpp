@@ -164,7 +164,7 @@ void draw_path(const std::vector<Eigen::Vector2d>& path, const ToPixels& pixel, 
   canvas.disc(end.x(), end.y(), 1.6 * width, kPath);
 }
 
-/// 1, 2 or 5 times a power of ten, about `length`.
+/// 1, 2 or 5 times a power of ten, near `length`.
 double round_length(double length) {
   const double power = std::pow(10, std::floor(std::log10(length)));
   for (const double step : {5.0, 2.0, 1.0}) {

@@ -11,7 +11,7 @@ namespace curbstone::semantic_map::picture {
 /// The paper's Table I colours: road gray, curb green, obstacle black, wall or vehicle red, unknown dark green.
 [[nodiscard]] Colour class_colour(tile::CellClass cell_class);
 
-/// A line over the map, m in map: the truth, say.
+/// A line over the map, m in map, for example the ground truth.
 struct PictureLine {
   std::vector<Eigen::Vector2d> points;
   Colour colour{255, 0, 200};

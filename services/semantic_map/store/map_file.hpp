@@ -21,7 +21,7 @@ namespace curbstone::semantic_map::store {
 inline constexpr std::int32_t kApplicationId = 0x43555242;  // "CURB"
 inline constexpr int kBusyTimeout = 2000;                   // ms
 
-/// Runs `work`; what SQLite says becomes one line that names the file.
+/// Runs `work`; an SQLite error becomes one line that names the file.
 template <class Work>
 auto for_file(const std::string& path, Work work) {
   try {
@@ -48,7 +48,7 @@ inline std::span<const std::uint8_t> blob(const SQLite::Column& column) {
   return {data, data == nullptr ? 0 : static_cast<std::size_t>(column.getBytes())};
 }
 
-/// Maps of schema 2, and the first of schema 3, have no such column.
+/// Maps of schema 2, and the first ones of schema 3, lack this column.
 inline bool has_inferred(SQLite::Database& db) {
   return integer(db, "SELECT count(*) FROM pragma_table_info('curbs') WHERE name = 'inferred'") > 0;
 }
@@ -57,7 +57,7 @@ inline std::int32_t stored_epoch(SQLite::Database& db) {
   return static_cast<std::int32_t>(integer(db, "SELECT value FROM meta WHERE key = 'epoch'"));
 }
 
-/// Throws unless the file is a map of a schema that we know.
+/// Throws unless the file is a map of a known schema.
 inline void check_identity(SQLite::Database& db, const std::string& path) {
   if (integer(db, "PRAGMA application_id") != kApplicationId)
     throw MapStoreError(fmt::format("{}: is an SQLite file but not a curbstone map", path));

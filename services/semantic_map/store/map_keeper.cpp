@@ -51,11 +51,12 @@ std::shared_ptr<const StoredLines> MapKeeper::read_lines() const {
     const std::vector<TileKey> keys = map.tile_keys();
     return std::make_shared<const StoredLines>(StoredLines{{map.curbs(), map.markings()}, {keys.begin(), keys.end()}});
   } catch (const MapStoreError&) {
-    return nullptr;  // a damaged file is a fault when it is written to
+    return nullptr;  // a damaged file becomes a fault when it is written to
   }
 }
 
-/// Where to keep the drive that is stored; empty if none is. What of it is not written yet is written first.
+/// The file for the stored drive to be moved to; empty if there is none. Pending changes of that drive are written
+/// first.
 std::string MapKeeper::make_room(std::int64_t utime) {
   if (!keep_earlier_) return {};
   if (has_begun_) {
@@ -174,7 +175,7 @@ void MapKeeper::await_writing() {
   under_way_ = {};
 }
 
-/// What could not be written is pending again, less what has become another meanwhile.
+/// Makes a failed batch pending again, except what has changed meanwhile.
 void MapKeeper::take_back() {
   std::swap(pending_, under_way_);
   for (const auto& [key, tile] : under_way_.tiles) add(tile);

@@ -14,65 +14,67 @@
 
 namespace curbstone::semantic_map::store {
 
-/// What a map file held.
+/// The lines that a map file held.
 struct StoredLines {
   tile::MapLines lines;
   std::unordered_set<TileKey, TileKeyHash> tiles;
 };
 
-/// Writes what changes to the map file, a transaction at a time, in another thread: the disk takes tens of ms, for
-/// which no tile should wait. While the disk is full (or fails) it keeps the newest state of each tile in memory, up to
-/// a bound (and as many again while it tries), says so, and writes when it can again. One thread calls.
+/// Writes changes to the map file, one transaction at a time, in another thread: the disk takes tens of ms, for which
+/// no tile should wait. While the disk is full (or fails) it keeps the newest state of each tile in memory, up to a
+/// bound (and as many again while a write is under way), reports the fault, and writes when it can again. Calls come
+/// from one thread.
 ///
-/// Counters, of what is known to be written: store.transactions, store.tiles, faults.store; dropped.unstored_tiles,
+/// Counters, of confirmed writes: store.transactions, store.tiles, faults.store; dropped.unstored_tiles,
 /// dropped.unstored_poses.
 class MapKeeper {
  public:
-  /// Opens the file: throws MapStoreError. Empty path: keeps nothing. `keep_earlier`: a drive that must make room for
-  /// another is kept in a file beside (MapStore::free_name).
+  /// Opens the file: throws MapStoreError. Empty path: nothing is stored. `keep_earlier`: an earlier drive in the file
+  /// is moved to a file beside it when another begins (MapStore::free_name).
   MapKeeper(const std::string& path, std::size_t max_pending_tiles, bool keep_earlier = true);
-  /// Waits for what is under way; what is pending is lost without finish().
+  /// Waits for the current transaction; pending changes are lost without finish().
   ~MapKeeper();
   MapKeeper(const MapKeeper&) = delete;
   MapKeeper& operator=(const MapKeeper&) = delete;
 
-  /// Whether there is a file to keep the map in.
+  /// Whether the map is stored in a file.
   [[nodiscard]] bool keeps() const { return store_ != nullptr; }
-  /// A drive begins (first pose, or a new epoch of the map). An earlier map of the same drive is gone on with (the
-  /// service was restarted). Any other makes room, and is kept in a file beside.
+  /// Begins a drive (first pose, or a new epoch of the map). If the file has the same drive (the service was
+  /// restarted), it is continued. Any other drive is moved to a file beside it.
   void start(std::int32_t epoch, std::int64_t utime);
-  /// The mapper has corrected the drive as a whole, from `first_utime` on: if that is the drive that made room, its
-  /// file beside is removed when the drive is over, or when the next correction makes another; also by the service's
-  /// successor, if it dies before.
+  /// Reports that the mapper has corrected the whole drive from `first_utime` on. If that is the drive that was moved
+  /// aside, its file is removed when the drive is over, or when the next correction moves another aside; if the service
+  /// dies before, its successor does so.
   void corrected_from(std::int64_t first_utime);
   void put(const tile::MapTile& tile);
   void put(const tile::TrajectoryPose& pose);
-  /// Links all lines of the map as they are now. They go with the next batch; it is called in the thread that writes.
+  /// Links all lines of the current map. The lines are written with the next batch; the function is called in the
+  /// writing thread.
   using LinkLines = std::function<tile::MapLines()>;
   void put(LinkLines lines);
-  /// Of the file, when this process went on with its drive (start()): its predecessor's. Else nullptr.
+  /// The lines that the file had when start() continued its drive; otherwise nullptr.
   [[nodiscard]] std::shared_ptr<const StoredLines> lines_before() const { return lines_before_; }
-  /// How long that took at last, us; 0: not yet.
+  /// Duration of the last linking, us; 0: none yet.
   [[nodiscard]] std::int64_t linking_took() const { return linking_took_; }
-  /// Begins to write what is pending, unless the last transaction is still under way.
+  /// Starts to write pending changes, unless a transaction is under way.
   void write();
-  /// Whether it is, lines that are linked for it included.
+  /// Whether a transaction is under way, including the linking of its lines.
   [[nodiscard]] bool busy();
-  /// Writes the rest and the lines, and closes the file in canonical form.
+  /// Writes the remaining changes and the lines, and closes the file in canonical form.
   void finish(tile::MapLines lines);
 
-  /// What became of the last transaction, in words; or that the map was begun anew in mid-drive, once the vehicle has
-  /// driven for some seconds (of the poses' times) and no correction was heard. Empty when all is well.
+  /// The error of the last transaction; or that the mapper began a new map in mid-drive, once the vehicle has driven
+  /// for some seconds (of the poses' times) without a correction. Empty if there is no fault.
   [[nodiscard]] std::string fault() const;
-  /// Whether the file lacks what is in memory, because it could not be written; after finish(): for good.
+  /// Whether the file lacks what is in memory because a write failed; after finish(): permanently.
   [[nodiscard]] bool failing() const { return !fault_.empty(); }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
-  /// What the file does not know yet.
+  /// Changes that the file lacks.
   struct Changes {
-    bool clear = false;   // first of all that was stored
-    std::string keep_in;  // but in this file
+    bool clear = false;   // first discard all that is stored
+    std::string keep_in;  // but copy it to this file before
     std::unordered_map<TileKey, tile::MapTile, TileKeyHash> tiles;
     std::vector<tile::TrajectoryPose> trajectory;
     LinkLines link_lines;
@@ -93,22 +95,22 @@ class MapKeeper {
   std::string path_;
   std::unique_ptr<MapStore> store_;
   std::shared_ptr<const StoredLines> lines_before_;
-  /// The drive that made room, while this process ran.
+  /// The drive that was moved aside while this process ran.
   struct Earlier {
     std::string file;
     std::int64_t first_utime = 0;
-    std::int64_t made_room = 0;  // utime
+    std::int64_t made_room = 0;  // utime at which it was
   };
   std::size_t max_pending_;
   bool keep_earlier_;
   bool has_begun_ = false;
   std::optional<Earlier> earlier_;
-  std::string superseded_;  // file of this drive, before it was corrected: until all tiles have come again
+  std::string superseded_;  // file of this drive before its correction, until all tiles have come again
   std::int32_t epoch_ = 0;
   std::int64_t newest_utime_ = 0;  // of a pose
   Changes pending_;
-  Changes under_way_;                 // not touched while it is written
-  std::future<std::string> writing_;  // what went wrong
+  Changes under_way_;                 // must not be touched while it is written
+  std::future<std::string> writing_;  // the error
   std::string fault_;
   std::int64_t linking_took_ = 0;
   Counters counters_;

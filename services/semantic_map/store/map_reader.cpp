@@ -25,7 +25,7 @@ TileKey key_of(SQLite::Statement& row, const std::string& path) {
   return {static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
 }
 
-/// From a row of x, y, utime, z_origin, cells.
+/// Reads a row of x, y, utime, z_origin, cells.
 tile::MapTile tile_of(SQLite::Statement& row, const std::string& path) {
   tile::MapTile tile;
   tile.key = key_of(row, path);

@@ -45,12 +45,12 @@ CREATE TABLE trajectory(utime INTEGER PRIMARY KEY, revolution INTEGER NOT NULL, 
 INSERT INTO meta VALUES('tile_size', 3.0), ('cell_size', 0.12), ('epoch', 0);
 )";
 
-/// `bytes` must live until the statement was run.
+/// `bytes` must live until the statement has run.
 void bind(SQLite::Statement& statement, int index, const std::vector<std::uint8_t>& bytes) {
   statement.bindNoCopy(index, bytes.data(), static_cast<int>(bytes.size()));
 }
 
-/// Runs what is bound, and leaves the statement ready for the next row.
+/// Runs the bound statement, and resets it for the next row.
 void run(SQLite::Statement& statement) {
   statement.exec();
   statement.reset();
@@ -65,7 +65,7 @@ void create_schema(SQLite::Database& db) {
   transaction.commit();
 }
 
-/// Rows of schema 1 are known by their size and may stay.
+/// Rows of schema 1 are recognised by their size and may stay.
 void migrate(SQLite::Database& db) {
   const bool inferred = has_inferred(db);
   if (inferred && integer(db, "PRAGMA user_version") >= kMapSchemaVersion) return;
@@ -76,9 +76,9 @@ void migrate(SQLite::Database& db) {
   transaction.commit();
 }
 
-/// Makes the folder where there is none: on a fresh machine the first map is the first thing there.
+/// Creates the folder if there is none, as on a fresh machine.
 int open_in_its_folder(const std::string& path) {
-  std::error_code ignored;  // open() says it
+  std::error_code ignored;  // open() reports it
   const auto folder = std::filesystem::path(path).parent_path();
   if (!folder.empty()) std::filesystem::create_directories(folder, ignored);
   return open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
@@ -142,7 +142,7 @@ void replace_markings(SQLite::Database& db, const std::vector<tile::MarkingLine>
 
 }  // namespace
 
-/// flock() on the map itself. (Not SQLite's exclusive mode: readers are welcome.)
+/// flock() on the map itself. (Not SQLite's exclusive mode, which would lock out readers.)
 struct MapStore::Lock {
   explicit Lock(const std::string& path) : fd(open_in_its_folder(path)) {
     if (fd < 0) throw MapStoreError(fmt::format("{}: {}", path, std::strerror(errno)));
@@ -201,7 +201,8 @@ void MapStore::write(const Batch& batch) {
   }
 }
 
-/// The map may come from anywhere: what it names is removed, so it must be a file that was named here.
+/// The map may come from anywhere, and the file that it names is removed: so the name must be one that free_name()
+/// gives.
 std::string MapStore::stored_superseded() const {
   SQLite::Statement statement(*db_, "SELECT value FROM meta WHERE key = 'superseded'");
   if (!statement.executeStep()) return {};
@@ -223,7 +224,7 @@ std::string MapStore::free_name() const {
   return name.string();
 }
 
-/// A copy and not a rename: readers may have the file open, and what they see must stay one map.
+/// A copy, not a rename: readers may have the file open and must keep a consistent map.
 void MapStore::copy_to(const std::string& path) {
   const std::string unfinished = path + ".unfinished";
   try {

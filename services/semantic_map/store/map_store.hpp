@@ -33,25 +33,25 @@ namespace curbstone::semantic_map::store {
 /// There is no wall clock, pid or revision in it: two replays of one log give the same bytes.
 inline constexpr std::int32_t kMapSchemaVersion = 3;
 
-/// One clear line: what is wrong with which file.
+/// One line that names the file and the error.
 class MapStoreError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Reads a map, also while a service writes it. Never changes the file. Everything throws MapStoreError.
+/// Reads a map, also while a service writes it. Never changes the file. All functions throw MapStoreError.
 class MapReader {
  public:
   /// Refuses what is missing, not a map, or of a newer schema.
   explicit MapReader(const std::string& path);
   ~MapReader();
 
-  /// Of the file: 1 .. kMapSchemaVersion.
+  /// Schema of the file: 1 .. kMapSchemaVersion.
   [[nodiscard]] std::int32_t schema() const;
   [[nodiscard]] std::int32_t epoch() const;
   [[nodiscard]] std::vector<tile::MapTile> tiles() const;  ///< by key
   [[nodiscard]] std::vector<TileKey> tile_keys() const;    ///< in order
-  /// One of them, as the file has it now; nothing if it has none. Some 50 us.
+  /// The tile as it is in the file now; nothing if there is none. Some 50 us.
   [[nodiscard]] std::optional<tile::MapTile> tile(TileKey key) const;
   [[nodiscard]] std::vector<tile::CurbLine> curbs() const;             ///< by id
   [[nodiscard]] std::vector<tile::MarkingLine> markings() const;       ///< by id
@@ -74,16 +74,16 @@ class MapStore {
   explicit MapStore(std::string path);
   ~MapStore();
 
-  /// What one transaction changes.
+  /// The changes of one transaction.
   struct Batch {
-    bool clear = false;        ///< first forget all that was stored: another drive begins
+    bool clear = false;        ///< first discard all that is stored: another drive begins
     std::string keep_in = {};  ///< but copy it to this file before; empty: do not
     std::int32_t epoch = 0;
     std::vector<tile::MapTile> tiles = {};                     ///< replace those with the same key
     std::vector<tile::TrajectoryPose> trajectory = {};         ///< appended
     const std::vector<tile::CurbLine>* curbs = nullptr;        ///< replaces all curbs, if given
     const std::vector<tile::MarkingLine>* markings = nullptr;  ///< replaces all markings, if given
-    /// The file beside that this map will replace when it is complete (see superseded()); "": none any more.
+    /// The file beside it that this map will replace when it is complete (see superseded()); "": none any more.
     std::optional<std::string> superseded = {};
   };
   /// Throws MapStoreError (disk full, I/O error): nothing of the batch is in the file then, try again later.

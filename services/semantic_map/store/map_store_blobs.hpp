@@ -11,7 +11,7 @@ namespace curbstone::semantic_map::store {
 
 /// The blobs of the map file (map_store.hpp says what is in them); little-endian on any machine.
 [[nodiscard]] std::vector<std::uint8_t> pack_cells(const tile::MapTile& tile);
-/// Fills class, height, cost, confidence and hits; false if the blob is not one of ours.
+/// Fills class, height, cost, confidence and hits; false if the blob is invalid.
 [[nodiscard]] bool unpack_cells(std::span<const std::uint8_t> blob, tile::MapTile& tile);
 
 [[nodiscard]] std::vector<std::uint8_t> pack_vertices(const std::vector<tile::CurbVertex>& vertices);

@@ -4,8 +4,8 @@
 
 namespace curbstone::semantic_map::tile {
 
-/// One set for synthetic and real, 16 and 64 beams, low curbs and high. What can follow from the data's own noise and
-/// density does; these are the floors and ceilings.
+/// One set for synthetic and real data, 16 and 64 beams, low curbs and high. Thresholds adapt to the data's noise and
+/// density where possible; these are the floors and ceilings.
 struct CurbParameters {
   // Ground (section VI: stick threshold and the direction of the normal)
   double min_stick = 0.15;     ///< share of l1

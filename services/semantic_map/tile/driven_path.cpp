@@ -55,7 +55,7 @@ std::optional<Eigen::Vector2d> DrivenPath::nearest(const Eigen::Vector2d& at) co
   };
   const auto centre = tile_at(at.x(), at.y());
   for (std::int32_t ring = 0; centre && ring <= kMostRings; ++ring) {
-    const double nearer = (ring - 1) * kTileSize;  // than all in this ring and beyond
+    const double nearer = (ring - 1) * kTileSize;  // than all places in this ring and beyond
     if (ring > 0 && best.first < nearer * nearer) return places_.at(best.second);
     for_ring(*centre, ring, look);
   }

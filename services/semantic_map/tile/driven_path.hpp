@@ -12,7 +12,7 @@
 
 namespace curbstone::semantic_map::tile {
 
-/// Where the vehicle drove, m in map. Finds what of it is near in a time that does not grow with its length.
+/// The path that the vehicle drove, m in map. Finds the near part in a time that does not grow with its length.
 class DrivenPath {
  public:
   DrivenPath() = default;
@@ -20,23 +20,23 @@ class DrivenPath {
   DrivenPath(std::initializer_list<Eigen::Vector2d> places) : DrivenPath(std::vector<Eigen::Vector2d>(places)) {}
   DrivenPath(const std::vector<Eigen::Vector2d>& places);
 
-  /// `utime`, us, is its place in the order of time. Of two of one time the first counts.
+  /// Adds a place; `utime`, us, determines its order. Of two with the same time the first is kept.
   void add(std::int64_t utime, const Eigen::Vector2d& place);
   void clear();
   [[nodiscard]] bool empty() const { return places_.empty(); }
-  /// Where it came to at last. Not of an empty path.
+  /// The last place. The path must not be empty.
   [[nodiscard]] const Eigen::Vector2d& last() const { return places_.rbegin()->second; }
   /// In the order of time.
   [[nodiscard]] std::vector<Eigen::Vector2d> places() const;
 
-  /// Its nearest place to `at`, of several the earliest; nothing of an empty path.
+  /// The place nearest to `at`, the earliest of several; nothing if the path is empty.
   [[nodiscard]] std::optional<Eigen::Vector2d> nearest(const Eigen::Vector2d& at) const;
-  /// Which way it went to its nearest place to `at` to which it moved: unit vector. Nothing if that is not nearer than
-  /// `within`, m.
+  /// Direction of the motion to the nearest place to `at` that was reached by moving: unit vector. Nothing if that
+  /// place is not nearer than `within`, m.
   [[nodiscard]] std::optional<Eigen::Vector2d> direction_near(const Eigen::Vector2d& at, double within) const;
 
  private:
-  /// Calls visit(utime, place) for what lies in the squares that are `ring` squares off that of `at`.
+  /// Calls visit(utime, place) for the places in the squares that are `ring` squares from that of `at`.
   template <class Visit>
   void for_ring(const TileKey& centre, std::int32_t ring, Visit visit) const;
 

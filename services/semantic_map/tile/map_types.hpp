@@ -10,7 +10,7 @@
 namespace curbstone::semantic_map::tile {
 
 /// @file
-/// What the semantic map is made of, as stored and drawn. Frame: map, in m.
+/// The types of the semantic map, as stored and drawn. Frame: map, in m.
 
 /// The paper's Table I; the values of semantic_tile_t.
 enum class CellClass : std::uint8_t { kUnknown = 0, kRoad = 1, kCurb = 2, kObstacle = 3, kWall = 4 };
@@ -23,7 +23,7 @@ struct MapTile {
 
   TileKey key;
   std::int64_t utime = 0;        ///< us, of the newest map points that went in
-  std::int64_t curbs_utime = 0;  ///< us, of those that its curbs know of; not kept in the store
+  std::int64_t curbs_utime = 0;  ///< us, of the newest points that its curbs include; not in the store
   float z_origin = 0;            ///< m in map
   std::array<CellClass, kCellsInTile> cell_class{};
   std::array<std::int16_t, kCellsInTile> height{};  ///< ground, else lowest point; 2 mm steps from z_origin; kNoHeight
@@ -48,11 +48,11 @@ struct CurbLine {
   float confidence = 0;  ///< 0..1
   bool dropped = false;  ///< a lowered kerb, as at a driveway
   std::vector<CurbVertex> points;
-  bool inferred = false;  ///< nobody saw it: a bridge between two measured lines, as behind a parked vehicle
+  bool inferred = false;  ///< not seen: a bridge between two measured lines, as behind a parked vehicle
   bool operator==(const CurbLine&) const = default;
 };
 
-/// What the paint on the road says, as far as its geometry tells. The values of marking_line_t.
+/// Type of a road marking, as far as its geometry shows it. The values of marking_line_t.
 enum class MarkingType : std::uint8_t {
   kUnknown = 0,
   kSolid = 1,
@@ -69,7 +69,7 @@ struct MarkingVertex {
   bool operator==(const MarkingVertex&) const = default;
 };
 
-/// A marking along its middle. A crossing runs through the middles of its bars, across them: `width` is their length,
+/// A marking along its centre. A crossing runs through the centres of its bars, across them: `width` is their length,
 /// `dash` their width.
 struct MarkingLine {
   std::int32_t id = 0;
@@ -88,7 +88,7 @@ struct MapLines {
   std::vector<MarkingLine> markings;
 };
 
-/// Where the vehicle was at the end of a revolution.
+/// Pose of the vehicle at the end of a revolution.
 struct TrajectoryPose {
   std::int64_t utime = 0;
   std::int32_t revolution = 0;

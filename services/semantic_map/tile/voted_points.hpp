@@ -11,36 +11,36 @@
 
 namespace curbstone::semantic_map::tile {
 
-/// What the vote says of a place, at the coarse scale (0.3 m).
+/// The vote's result for a place, at the coarse scale (0.3 m).
 struct VotedTensor {
   Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  ///< e1, z >= 0
-  float stick = 0;                                    ///< (l1 - l2) / l1: how much of a surface
-  float plate = 0;                                    ///< (l2 - l3) / l1: how much of a crease
-  float mass = 0;  ///< sum of the votes' weights; 0: nobody voted, the rest means nothing
+  float stick = 0;                                    ///< (l1 - l2) / l1: surface saliency
+  float plate = 0;                                    ///< (l2 - l3) / l1: crease saliency
+  float mass = 0;  ///< sum of the votes' weights; 0: no votes, the rest is meaningless
 };
 
-/// A point of the dense map with what the vote says about it.
+/// A point of the dense map with its vote.
 struct VotedPoint : VotedTensor {
   float x = 0;  ///< m from the tile's corner, 0 .. kTileSize
   float y = 0;
   float z = 0;  ///< m in map
 };
 
-/// The points of a tile. Those that the vote thinned out, some two of three, take the tensor of their voxel's voter: it
-/// is kept once for all of them.
+/// The points of a tile. Points that the vote thinned out, some two of three, share the tensor of their voxel's voter,
+/// which is stored once.
 class VotedPoints {
  public:
   struct Place {
-    float x = 0;  ///< as of VotedPoint
+    float x = 0;  ///< as in VotedPoint
     float y = 0;
     float z = 0;
-    std::uint32_t tensor = 0;  ///< which of tensors()
+    std::uint32_t tensor = 0;  ///< index into tensors()
   };
 
   [[nodiscard]] std::size_t size() const { return places_.size(); }
   [[nodiscard]] bool empty() const { return places_.empty(); }
   [[nodiscard]] std::span<const Place> places() const { return places_; }
-  /// In the order of the first points that take them.
+  /// In the order of the first points that refer to them.
   [[nodiscard]] std::span<const VotedTensor> tensors() const { return tensors_; }
   [[nodiscard]] VotedPoint operator[](std::size_t i) const {
     const Place& at = places_[i];
@@ -48,18 +48,18 @@ class VotedPoints {
   }
 
   void make_room(std::size_t more) { curbstone::make_room(more, places_); }
-  /// With a tensor of its own.
+  /// Adds a point with a tensor of its own.
   void push_back(const VotedPoint& point) {
     const auto own = static_cast<std::uint32_t>(tensors_.size());
     curbstone::make_room(1, tensors_);
     tensors_.push_back(point);
     places_.push_back({point.x, point.y, point.z, own});
   }
-  /// With a tensor that there is.
+  /// Adds a point with an existing tensor.
   void append(const Place& place) { places_.push_back(place); }
-  /// Of all points that take it.
+  /// Changes the tensor of all points that refer to it.
   void set_tensor(std::uint32_t tensor, const VotedTensor& value) { tensors_[tensor] = value; }
-  /// Leaves the first `size` of them.
+  /// Keeps the first `size` points.
   void shorten(std::size_t size) { places_.resize(std::min(size, places_.size())); }
 
   class Iterator {

@@ -16,13 +16,13 @@ struct VotedTile {
   std::int32_t revision = 0;
   float z_origin = 0;
   VotedPoints points;
-  /// Of each point, on one scale for all beams: the road's median is 64, 0 is not known; empty: of none is known.
+  /// By point, on one scale for all beams: the road's median is 64, 0 means unknown; empty: all unknown.
   std::vector<std::uint8_t> intensity;
-  std::int64_t chain = 0;  ///< of the worker that it came from
+  std::int64_t chain = 0;  ///< of the worker that sent it
 };
 
 /// A tile's T and those of its eight neighbours; null where there is none. Everything that the semantic map computes
-/// for a tile is a pure function of such neighbourhoods, so that it does not matter in which order tiles arrive.
+/// for a tile is a pure function of such a neighbourhood, so the order in which tiles arrive does not matter.
 template <class T>
 class Around {
  public:
@@ -30,7 +30,7 @@ class Around {
   void set(int dx, int dy, const T* tile) { tiles_[index(dx, dy)] = tile; }
   [[nodiscard]] const T* centre() const { return at(0, 0); }
 
-  /// visit(tile, x, y): each that is there, with the offset in m of its corner from the centre tile's.
+  /// Calls visit(tile, x, y) for each tile that exists, with the offset in m of its corner from the centre tile's.
   template <class Visit>
   void for_each(Visit visit) const {
     for (int dy = -1; dy <= 1; ++dy) {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kMaxHeight = 1e5F;  // m in map
 
-/// Why a page cannot be used; nullptr if it can. (LCM has made the arrays as long as their counts say.)
+/// Why a page is invalid; nullptr if it is valid. (LCM makes the arrays as long as their counts say.)
 const char* defect(const voted_points_t& page) {
   if (page.revision < 1 || page.base < 0 || page.base > page.revision) return "refused.revision";
   if (page.num_pages < 1 || page.num_pages > VotedTileAssembler::kMaxPages) return "refused.size";
@@ -38,7 +38,7 @@ const char* defect(const voted_points_t& page) {
   return nullptr;
 }
 
-/// The scale that curbs are found at: the one nearest to 0.3 m.
+/// Index of the scale used for curbs: the one nearest to 0.3 m.
 std::size_t coarse_scale(const voted_points_t& page) {
   const auto off = [](float sigma) { return std::isfinite(sigma) ? std::abs(sigma - 0.3F) : 1e9F; };
   const auto best =
@@ -58,7 +58,7 @@ VotedTensor tensor_of(const voted_points_t& page, std::size_t i) {
   return t;
 }
 
-/// The points that the tile does not have yet.
+/// Appends the points that the tile lacks.
 void append_points(const voted_points_t& page, std::size_t scale, VotedTile& tile) {
   const auto first = static_cast<std::size_t>(page.first);
   const auto count = static_cast<std::size_t>(page.num_points);
@@ -80,7 +80,7 @@ void append_points(const voted_points_t& page, std::size_t scale, VotedTile& til
   }
 }
 
-/// Whether the pages speak of one tile and their points follow each other up to its end.
+/// Whether all pages are of one tile, and their points are contiguous up to its end.
 bool adds_up(const VotedStep& step) {
   const voted_points_t& head = step.pages.front();
   std::int32_t next = -1;

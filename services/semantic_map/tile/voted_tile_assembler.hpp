@@ -10,7 +10,7 @@
 
 namespace curbstone::semantic_map::tile {
 
-/// All pages of one step of a tile, as they were sent.
+/// All pages of one step of a tile.
 struct VotedStep {
   TileKey key;
   std::int64_t chain = 0;
@@ -19,26 +19,27 @@ struct VotedStep {
   std::vector<voted_points_t> pages;
 };
 
-/// Whether `tile` is what the step goes on from, or a later part of the same way; nullptr: there is none.
+/// Whether the step continues from `tile`: the tile's revision is the step's base, or a later one in the same chain of
+/// steps. A step from nothing always does. nullptr: no tile.
 [[nodiscard]] bool goes_on_from(const VotedStep& step, const VotedTile* tile);
-/// Takes a tile to the step's revision; goes_on_from() must be true. A step from nothing replaces what the tile is.
+/// Applies the step to a tile; goes_on_from() must be true. A step from nothing replaces the tile's content.
 void take_step(const VotedStep& step, VotedTile& tile);
 
-/// Puts the pages of VOTED_POINTS together. A step is taken when all its pages are there, in whatever order they come;
-/// pages of an older revision than the one in the making, and pages that arrive twice, change nothing.
+/// Assembles the pages of VOTED_POINTS. A step is complete when all its pages have come, in any order; pages of an
+/// older revision than the one being assembled, and duplicates, are ignored.
 class VotedTileAssembler {
  public:
-  static constexpr std::int32_t kMaxPoints = 400'000;  ///< of a tile; more is no tile
+  static constexpr std::int32_t kMaxPoints = 400'000;  ///< of a tile; more is invalid
   static constexpr std::int32_t kMaxPages = 1000;      ///< of a step
-  static constexpr std::size_t kMaxUnfinished = 2000;  ///< tiles in the making; the one that waits longest goes first
+  static constexpr std::size_t kMaxUnfinished = 2000;  ///< tiles being assembled; the longest waiting is dropped first
 
-  /// The step that this page completes, if it does. Bad pages, and steps that do not add up, are refused and counted.
+  /// The step that this page completes, if it does. Invalid pages and inconsistent steps are refused and counted.
   [[nodiscard]] std::optional<VotedStep> add(const voted_points_t& page, Counters& counters);
   void clear() { unfinished_.clear(); }
 
  private:
   struct Unfinished {
-    VotedStep step;  // its pages: when all are there
+    VotedStep step;  // without pages, until all have come
     std::map<std::int32_t, voted_points_t> pages;
     std::int32_t num_pages = 0;
     std::int64_t turn = 0;

@@ -5,9 +5,9 @@
 
 namespace curbstone::semantic_map::tile {
 
-/// Puts away a voted tile: positions as the whole steps that they were sent in.
+/// Packs a voted tile: positions as the integer steps in which they were sent.
 void pack(const VotedTile& tile, ValuePacker& packer);
-/// Every bit of it.
+/// Restores the tile bit-identical.
 [[nodiscard]] VotedTile unpack_voted_tile(ValueUnpacker& unpacker);
 
 }  // namespace curbstone::semantic_map::tile
