@@ -37,25 +37,19 @@ void remove_beside(const fs::path& file) {
 
 }  // namespace
 
-<<<<<<< HEAD
 NewMap::NewMap(fs::path file)
     : file_((refuse_what_is_no_map(file), std::move(file))), folder_(file_.string() + ".part") {
-  clear();  // of a replay that was killed
+  clear();  // of an earlier replay that was killed
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) throw std::runtime_error(fmt::format("{}: cannot be written: {}", file_.string(), error.message()));
-=======
-NewMap::NewMap(std::string file) : file_((refuse_what_is_no_map(file), std::move(file))), whole_(file_, true) {
-  std::remove(part().c_str());  // of an earlier replay that was killed
-  remove_beside(part());
->>>>>>> wordsD
 }
 
 NewMap::~NewMap() {
   clear();
 }
 
-/// Only what a replay leaves there: maps, and what SQLite has beside them.
+/// Removes only what a replay creates there: maps, and the files that SQLite keeps beside them.
 void NewMap::clear() const {
   std::error_code ignored;
   const std::string stem = file_.stem().string();

@@ -6,16 +6,11 @@
 
 namespace curbstone::replay {
 
-<<<<<<< HEAD
-/// The map that a replay makes. It is written in a folder of its own beside its place, and gets its name once it is
-/// whole: until then an earlier map keeps it. A file that is no map is not replaced: it may be somebody's only
-/// recording. Where a log holds more than one drive, semantic_map keeps the earlier ones beside the last one; they move
-/// with it. Everything throws std::runtime_error with one line that names the file.
-=======
-/// The map file that a replay writes. It gets its name when it is complete; until then an earlier map keeps the name. A
-/// file that is not a map is not replaced: it may be a user's only recording. All functions throw std::runtime_error
-/// with a one-line message that names the file.
->>>>>>> wordsD
+/// The map file that a replay writes. It is written in a temporary folder beside its destination and gets its name when
+/// it is complete; until then an earlier map keeps the name. A file that is not a map is not replaced: it may be a
+/// user's only recording. If a log holds more than one drive, semantic_map keeps the maps of the earlier drives in the
+/// same folder, and they are moved with the last one. All functions throw std::runtime_error with a one-line message
+/// that names the file.
 class NewMap {
  public:
   explicit NewMap(std::filesystem::path file);
@@ -23,19 +18,13 @@ class NewMap {
   NewMap(const NewMap&) = delete;
   NewMap& operator=(const NewMap&) = delete;
 
-<<<<<<< HEAD
-  /// Where to write until then. SQLite has files beside it.
-  [[nodiscard]] std::string part() const { return (folder_ / file_.filename()).string(); }
-  /// `text` with the names that the files will have.
-  [[nodiscard]] std::string with_final_names(std::string text) const;
-  /// Gives the maps their names, and returns those of earlier drives. Nobody may have them open.
-  std::vector<std::string> commit();
-=======
   /// The path to write to before commit(). SQLite keeps further files beside it.
-  [[nodiscard]] std::string part() const { return whole_.part(); }
-  /// Gives the map its name. It must not be open in any process.
-  void commit();
->>>>>>> wordsD
+  [[nodiscard]] std::string part() const { return (folder_ / file_.filename()).string(); }
+  /// `text` with temporary paths replaced by the final ones.
+  [[nodiscard]] std::string with_final_names(std::string text) const;
+  /// Gives the maps their names and returns the names of the earlier drives' maps. They must not be open in any
+  /// process.
+  std::vector<std::string> commit();
 
  private:
   void clear() const;

@@ -56,7 +56,6 @@ struct Configuration {
   Section<semantic_map::SemanticMapConfig> semantic;
 };
 
-<<<<<<< HEAD
 /// A dense map on disk is the vehicle's: a replay leaves it alone, unless the user names it.
 void leave_folder_alone(const ReplayOptions& options, mapper::config::MapperConfig& mapper) {
   const bool is_named = std::any_of(options.assignments.begin(), options.assignments.end(),
@@ -72,9 +71,6 @@ void leave_folder_alone(const ReplayOptions& options, mapper::config::MapperConf
 }
 
 /// What the processes had, but for what another vehicle, or another time, left on the disk.
-=======
-/// The configuration of the processes, without the files of another vehicle or time.
->>>>>>> wordsD
 Configuration configure(const ReplayOptions& given) {
   ReplayOptions options = given;
   options.assignments = assignments_for(kSections, given.assignments);
@@ -87,11 +83,7 @@ Configuration configure(const ReplayOptions& given) {
   leave_folder_alone(options, all.mapper.value);
   semantic_map::SemanticMapConfig& semantic = all.semantic.value;
   if (!options.map_file.empty()) semantic.map = options.map_file;
-<<<<<<< HEAD
   semantic.keep_earlier_drives = options.keep_earlier_drives;
-=======
-  semantic.keep_earlier_drives = false;  // the user names the file to write
->>>>>>> wordsD
   if (options.config_file.empty() && options.recorded.sections.contains("semantic_map")) semantic.picture.clear();
   return all;
 }
