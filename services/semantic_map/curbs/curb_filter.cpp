@@ -31,31 +31,29 @@ struct Placed : PlacedCandidate {
   double certainty = 0;  ///< pooled along its line
 };
 
-/// Of those in the order of x, the ones that may be within `reach` of a place.
-template <class T>
-std::span<const T> near_x(const std::vector<T>& by_x, double x, double reach) {
-  const auto before = [](const T& a, double at) { return a.at.x() < at; };
-  const auto begin = std::lower_bound(by_x.begin(), by_x.end(), x - reach, before);
-  return {begin, std::lower_bound(begin, by_x.end(), std::nextafter(x + reach, 1e9), before)};
-}
-
 /// How far a place is outside the tile, the larger of x and y; m.
 double outside(const Eigen::Vector2d& at) {
   return std::max((-at).maxCoeff(), at.maxCoeff() - kTileSize);
 }
 
-/// All that matter, in the order of x, and what the others along their lines say of them.
-std::vector<Placed> place_all(const tile::Around<std::vector<CurbCandidate>>& tiles) {
+/// A curb point of the tile can only be where a candidate is.
+bool may_be_of_tile(const PlacedCandidate& p) {
+  return outside(p.at) <= 0 && !(p.candidate->falls && !p.candidate->weak);
+}
+
+std::vector<PlacedCandidate> candidates_around(const tile::Around<std::vector<CurbCandidate>>& tiles) {
   std::vector<PlacedCandidate> candidates;
   tiles.for_each([&](const std::vector<CurbCandidate>& of_tile, double dx, double dy) {
     for (const CurbCandidate& c : of_tile) candidates.push_back({c.at + Eigen::Vector2d(dx, dy), c.up, &c});
   });
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const auto& a, const auto& b) { return a.at.x() < b.at.x(); });
+  return candidates;
+}
+
+/// All that matter, in the order of x, and what the others along their lines say of them.
+std::vector<Placed> those_that_matter(const CandidateField& field) {
   std::vector<Placed> placed;
-  for (const PlacedCandidate& c : candidates) {
-    if (outside(c.at) >= kMargin) continue;
-    placed.push_back({c, pool_along_line(c, near_x(candidates, c.at.x(), kLineReach))});
+  for (const PlacedCandidate& c : field.by_x()) {
+    if (outside(c.at) < kMargin) placed.push_back({c, field.pool_along_line(c)});
   }
   return placed;
 }
@@ -66,9 +64,10 @@ bool outranks(const Placed& a, const Placed& b) {
 }
 
 bool is_ghost(const Placed& p, const std::vector<Placed>& all) {
-  const auto rivals = near_x(all, p.at.x(), kAcross + kAlong);
+  constexpr double kRivals = kAcross + kAlong;  // m each way
+  const auto rivals = near_x(all, p.at.x(), kRivals);
   return std::any_of(rivals.begin(), rivals.end(), [&](const Placed& other) {
-    if (!outranks(other, p)) return false;
+    if (std::abs(p.at.y() - other.at.y()) > kRivals || !outranks(other, p)) return false;
     const Eigen::Vector2d d = p.at - other.at;
     const double across = std::abs(d.dot(other.up));
     const double along = std::abs(d.x() * other.up.y() - d.y() * other.up.x());
@@ -209,7 +208,9 @@ CurbPoint curb_point(const Placed& p, const std::vector<PlacedCandidate>& kept) 
 
 std::vector<CurbPoint> filter_curbs(const tile::Around<std::vector<CurbCandidate>>& candidates,
                                     const tile::CurbParameters& parameters) {
-  Survivors survivors = suppress_ghosts(place_all(candidates));
+  std::vector<PlacedCandidate> around = candidates_around(candidates);
+  if (std::none_of(around.begin(), around.end(), may_be_of_tile)) return {};
+  Survivors survivors = suppress_ghosts(those_that_matter(CandidateField(std::move(around))));
   const std::vector<Placed>& strong = survivors.strong;
   const std::vector<Placed> on_line = those(strong, [&](const Placed& p) { return is_on_line(p, strong, parameters); });
   std::vector<Placed> kept = those(on_line, [&](const Placed& p) { return is_supported(p, on_line, parameters); });

@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <utility>
+
+#include "services/semantic_map/tile/vectorised.hpp"
 
 namespace curbstone::semantic_map::curbs {
 
@@ -17,10 +20,6 @@ constexpr double kDirection = 0.20;      // rad a candidate's direction may be o
 constexpr double kTurn = 0.20;           // rad the angle between two of them may be off
 constexpr double kMinAlike = 0.5;        // cosine
 static_assert(kBins * kPlaceBin > 2 * kReach);
-// m: beyond this no place can be on an arc, neither along nor across; rounded up.
-constexpr double kFarthest = 2.06;
-static_assert(kFarthest * kFarthest >
-              kReach * kReach + (kBeside + kDirection * kReach) * (kBeside + kDirection * kReach));
 
 /// How well `b` lies on an arc along `a`, 0..1, and how far along.
 struct OnArc {
@@ -48,16 +47,53 @@ OnArc on_arc(const PlacedCandidate& a, const PlacedCandidate& b) {
   return {nearness * agreement * agreement, along};
 }
 
+/// Candidates by columns.
+struct Columns {
+  const double *x, *y, *up_x, *up_y;
+};
+
+/// Which of `n` candidates on_arc() may give a weight, by its first conditions; 1 or 0. Many are looked at side by
+/// side.
+CURBSTONE_VECTORISED
+void find_along(const Columns& others, std::size_t n, double at_x, double at_y, double up_x, double up_y,
+                double* __restrict found) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const double dx = others.x[i] - at_x;
+    const double dy = others.y[i] - at_y;
+    const double along = std::abs(dy * up_x - dx * up_y);
+    const double across = std::abs(dx * up_x + dy * up_y);
+    const bool is_along = along < kReach && across < kBeside + kDirection * along;
+    found[i] = is_along && up_x * others.up_x[i] + up_y * others.up_y[i] >= kMinAlike ? 1 : 0;
+  }
+}
+
 }  // namespace
 
-double pool_along_line(const PlacedCandidate& candidate, std::span<const PlacedCandidate> others) {
+CandidateField::CandidateField(std::vector<PlacedCandidate> candidates) : by_x_(std::move(candidates)) {
+  std::stable_sort(by_x_.begin(), by_x_.end(), [](const auto& a, const auto& b) { return a.at.x() < b.at.x(); });
+  for (std::vector<double>* column : {&x_, &y_, &up_x_, &up_y_}) column->reserve(by_x_.size());
+  for (const PlacedCandidate& c : by_x_) {
+    x_.push_back(c.at.x());
+    y_.push_back(c.at.y());
+    up_x_.push_back(c.up.x());
+    up_y_.push_back(c.up.y());
+  }
+}
+
+double CandidateField::pool_along_line(const PlacedCandidate& candidate) const {
+  const std::span<const PlacedCandidate> near = near_x(by_x_, candidate.at.x(), kLineReach);
+  const auto first = near.data() - by_x_.data();
+  thread_local std::vector<double> found;  // for the sake of its memory
+  if (found.size() < near.size()) found.resize(near.size());
+  find_along({x_.data() + first, y_.data() + first, up_x_.data() + first, up_y_.data() + first}, near.size(),
+             candidate.at.x(), candidate.at.y(), candidate.up.x(), candidate.up.y(), found.data());
   std::array<double, kBins> best{};
-  for (const PlacedCandidate& other : others) {
-    if (std::abs(other.at.y() - candidate.at.y()) > kFarthest) continue;
-    const OnArc arc = on_arc(candidate, other);
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    if (found[i] == 0) continue;
+    const OnArc arc = on_arc(candidate, near[i]);
     if (arc.weight <= 0) continue;
     double& bin = best[static_cast<std::size_t>((arc.along + kReach) / kPlaceBin)];
-    bin = std::max(bin, arc.weight * other.candidate->score);
+    bin = std::max(bin, arc.weight * near[i].candidate->score);
   }
   return std::sqrt(std::inner_product(best.begin(), best.end(), best.begin(), 0.0));
 }

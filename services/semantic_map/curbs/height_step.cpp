@@ -8,7 +8,7 @@
 
 #include "common/statistics/quantile.hpp"
 #include "services/semantic_map/curbs/step_sides.hpp"
-#include "services/semantic_map/curbs/vectorised.hpp"
+#include "services/semantic_map/tile/vectorised.hpp"
 
 namespace curbstone::semantic_map::curbs {
 

@@ -13,75 +13,119 @@ constexpr double kBelowGround = 0.30;                                         //
 constexpr float kThinMass = 10;       // of the vote; even ground at sigma 0.3 m, thinned to 0.1 m, has 27
 constexpr double kMinNormalZ = 0.35;  // steeper is no curb at this scale, it is a wall
 
-/// Its tilt against the ground.
-void describe(const tile::VotedTensor& p, const ground::GroundBelow& g, const tile::CurbParameters& parameters,
-              NearGround& n) {
-  n.is_line = ground::is_scan_line(p) || p.mass < kThinMass;
-  const auto nz = static_cast<double>(p.normal.z());
-  if (p.mass <= 0 || nz < kMinNormalZ) return;
-  const Eigen::Vector2d tilt = Eigen::Vector2d(-double{p.normal.x()}, -double{p.normal.y()}) / nz - g.normal_slope;
-  n.tilt_x = static_cast<float>(tilt.x());
-  n.tilt_y = static_cast<float>(tilt.y());
-  n.tilted = tilt.norm() > std::max(parameters.min_tilt, parameters.tilt_sigmas * g.normal_noise);
+constexpr int kNowhere = -1;
+constexpr int kSide = NearGroundPoints::kSide;
+
+int cell_along(double x) {
+  return std::clamp(static_cast<int>((x + kWindowMargin) / kCellSize), 0, kSide - 1);
 }
+
+bool is_of_tile(int cell) {
+  const auto is_inner = [](int k) {
+    return k >= NearGroundPoints::kMarginCells && k < NearGroundPoints::kMarginCells + kCellsPerTile;
+  };
+  return is_inner(cell % kSide) && is_inner(cell / kSide);
+}
+
+bool is_near_ground(double above, const tile::CurbParameters& parameters) {
+  return above >= -kBelowGround && above <= parameters.max_step;  // not where there is no ground
+}
+
+static_assert(kWindowMargin <= ground::GroundColumns::kReach);
 
 }  // namespace
 
 void NearGroundPoints::gather(const tile::Around<tile::VotedTile>& tiles, const ground::GroundSurface& ground,
                               const tile::CurbParameters& parameters) {
-  const auto cell = [](double x) {
-    return std::clamp(static_cast<int>((x + kWindowMargin) / kCellSize), 0, kSide - 1);
-  };
-  const auto is_in_tile = [](int cell) { return cell >= kMarginCells && cell < kMarginCells + kCellsPerTile; };
-  gathered_.clear();
-  tiles.for_each([&](const tile::VotedTile& tile, double dx, double dy) {
-    for (const tile::VotedPoints::Place& p : tile.points.places()) {
-      const double x = double{p.x} + dx;
-      const double y = double{p.y} + dy;
-      if (x < -kWindowMargin || y < -kWindowMargin || x >= kTileSize + kWindowMargin || y >= kTileSize + kWindowMargin)
-        continue;
-      const int column = cell(x);
-      const int row = cell(y);
-      const tile::VotedTensor& tensor = tile.points.tensors()[p.tensor];
-      NearGround n{.x = static_cast<float>(x), .y = static_cast<float>(y)};
-      const auto put = [&](double height) {
-        const double above = double{p.z} - height;
-        if (above < -kBelowGround || above > parameters.max_step) return false;
-        n.z = static_cast<float>(above);
-        n.is_ground = ground::may_be_ground(tensor, parameters);
-        return true;
-      };
-      if (is_in_tile(column) && is_in_tile(row)) {
-        const auto g = ground.below(x, y);
-        if (!g || !put(g->height)) continue;
-        describe(tensor, *g, parameters, n);
-      } else {
-        const auto height = ground.height(x, y);
-        if (!height || !put(*height)) continue;
-      }
-      gathered_.push_back({n, row * kSide + column});
-    }
-  });
-  sort();
+  const ground::GroundColumns columns(ground);
+  find_places(tiles);
+  columns.heights(at_x_.data(), at_y_.data(), n_, ground_.data());
+  sort(parameters);
+  describe(columns, parameters);
 }
 
-/// By counting.
-void NearGroundPoints::sort() {
+/// Most of the neighbours' points are not within the margin, in no order that a branch could foresee: what is left out
+/// is written over by the next.
+void NearGroundPoints::find_places(const tile::Around<tile::VotedTile>& tiles) {
+  n_ = 0;
+  tiles.for_each([&](const tile::VotedTile& tile, double dx, double dy) {
+    const auto points = tile.points.places();
+    const tile::VotedTensor* const tensors = tile.points.tensors().data();
+    if (places_.size() < n_ + points.size() + 1) {
+      places_.resize(n_ + points.size() + 1);
+      for (std::vector<double>* column : {&at_x_, &at_y_, &ground_}) column->resize(places_.size());
+    }
+    std::size_t n = n_;
+    for (const tile::VotedPoints::Place& p : points) {
+      const double x = double{p.x} + dx;
+      const double y = double{p.y} + dy;
+      at_x_[n] = x;
+      at_y_[n] = y;
+      places_[n] = {.z = p.z, .cell = 0, .tensor = tensors + p.tensor};
+      const bool is_in = (x >= -kWindowMargin) & (y >= -kWindowMargin) & (x < kTileSize + kWindowMargin) &
+                         (y < kTileSize + kWindowMargin);
+      n += is_in ? 1U : 0U;
+    }
+    n_ = n;
+  });
+}
+
+/// What is near the ground, by counting.
+void NearGroundPoints::sort(const tile::CurbParameters& parameters) {
   start_.assign(static_cast<std::size_t>(kSide * kSide) + 1, 0);
-  for (const Gathered& g : gathered_) ++start_[static_cast<std::size_t>(g.cell) + 1];
+  std::size_t num_near = 0;
+  for (std::size_t i = 0; i < n_; ++i) {
+    const double above = double{places_[i].z} - ground_[i];
+    places_[i].cell = kNowhere;
+    if (!is_near_ground(above, parameters)) continue;
+    places_[i].cell = cell_along(at_y_[i]) * kSide + cell_along(at_x_[i]);
+    ++start_[static_cast<std::size_t>(places_[i].cell) + 1];
+    ++num_near;
+  }
   for (std::size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
-  if (described_.size() < gathered_.size()) {
-    described_.resize(gathered_.size());
-    for (std::vector<double>* column : {&x_, &y_, &z_, &unfit_}) column->resize(gathered_.size() + kPadding);
+  if (described_.size() < num_near) {
+    described_.resize(num_near);
+    for (std::vector<double>* column : {&x_, &y_, &z_, &unfit_}) column->resize(num_near + kPadding);
   }
   next_.assign(start_.begin(), start_.end() - 1);
-  for (const auto& [point, cell] : gathered_) {
-    const auto at = static_cast<std::size_t>(next_[static_cast<std::size_t>(cell)]++);
-    described_[at] = point;
-    x_[at] = double{point.x};
-    y_[at] = double{point.y};
-    z_[at] = double{point.z};
-    unfit_[at] = point.is_ground ? 0 : StepWindow::kUnfit;
+  inner_.clear();
+  inner_x_.clear();
+  inner_y_.clear();
+  for (std::size_t i = 0; i < n_; ++i) {
+    const Place& place = places_[i];
+    if (place.cell == kNowhere) continue;
+    const auto at = static_cast<std::size_t>(next_[static_cast<std::size_t>(place.cell)]++);
+    x_[at] = double{static_cast<float>(at_x_[i])};
+    y_[at] = double{static_cast<float>(at_y_[i])};
+    z_[at] = double{static_cast<float>(double{place.z} - ground_[i])};
+    unfit_[at] = ground::may_be_ground(*place.tensor, parameters) ? 0 : StepWindow::kUnfit;
+    if (!is_of_tile(place.cell)) continue;
+    inner_.push_back({at, place.tensor});
+    inner_x_.push_back(at_x_[i]);
+    inner_y_.push_back(at_y_[i]);
+  }
+}
+
+/// How those of the tile itself tilt against the ground.
+void NearGroundPoints::describe(const ground::GroundColumns& ground, const tile::CurbParameters& parameters) {
+  for (std::vector<double>* column : {&slope_x_, &slope_y_, &noise_}) {
+    if (column->size() < inner_.size()) column->resize(inner_.size());
+  }
+  ground.normals(inner_x_.data(), inner_y_.data(), inner_.size(), slope_x_.data(), slope_y_.data(), noise_.data());
+  for (std::size_t i = 0; i < inner_.size(); ++i) {
+    const tile::VotedTensor& p = *inner_[i].tensor;
+    const std::size_t at = inner_[i].index;
+    NearGround n{.x = static_cast<float>(inner_x_[i]), .y = static_cast<float>(inner_y_[i])};
+    n.is_line = ground::is_scan_line(p) || p.mass < kThinMass;
+    const auto nz = static_cast<double>(p.normal.z());
+    if (p.mass > 0 && nz >= kMinNormalZ) {
+      const Eigen::Vector2d tilt = Eigen::Vector2d(-double{p.normal.x()}, -double{p.normal.y()}) / nz -
+                                   Eigen::Vector2d(slope_x_[i], slope_y_[i]);
+      n.tilt_x = static_cast<float>(tilt.x());
+      n.tilt_y = static_cast<float>(tilt.y());
+      n.tilted = tilt.norm() > std::max(parameters.min_tilt, parameters.tilt_sigmas * noise_[i]);
+    }
+    described_[at] = n;
   }
 }
 

@@ -4,19 +4,20 @@
 #include <utility>
 #include <vector>
 
+#include "services/semantic_map/ground/ground_columns.hpp"
 #include "services/semantic_map/ground/ground_model.hpp"
 #include "services/semantic_map/tile/curb_parameters.hpp"
 #include "services/semantic_map/tile/voted_tile.hpp"
 
 namespace curbstone::semantic_map::curbs {
 
-/// A point with what it says of the ground below it.
+/// A point with what its normal says of the ground below it.
 struct NearGround {
-  float x = 0, y = 0, z = 0;     ///< m from the centre tile's corner; z above the ground
+  float x = 0, y = 0;            ///< m from the centre tile's corner
   float tilt_x = 0, tilt_y = 0;  ///< slope of the surface against the ground's, by the normal
   bool tilted = false;           ///< more than the normals around scatter
-  bool is_ground = false;        ///< by its normal: what may carry a side of a step
   bool is_line = false;          ///< the vote saw little more than a scan line
+  bool operator==(const NearGround&) const = default;
 };
 
 /// Section VI: what is less than `max_step` (the paper: 0.5 m) above the ground, of a tile and 1.2 m around it, sorted
@@ -52,16 +53,33 @@ class NearGroundPoints {
   [[nodiscard]] const double* unfit() const { return unfit_.data(); }
 
  private:
-  struct Gathered {
-    NearGround point;  // where it is, and what it is; its tilt only in the tile itself
+  /// A point within the margin.
+  struct Place {
+    float z = 0;  // m in map
     int cell = 0;
+    const tile::VotedTensor* tensor = nullptr;
   };
-  void sort();
-  std::vector<Gathered> gathered_;
+  void find_places(const tile::Around<tile::VotedTile>& tiles);
+  void sort(const tile::CurbParameters& parameters);
+  void describe(const ground::GroundColumns& ground, const tile::CurbParameters& parameters);
+
+  // All points within the margin, in the order of the tiles; n_ of them.
+  std::size_t n_ = 0;
+  std::vector<Place> places_;
+  std::vector<double> at_x_, at_y_;  // m from the centre tile's corner
+  std::vector<double> ground_;       // m in map, the ground's height; NaN: there is none
+  // Those near the ground, by cells.
   std::vector<NearGround> described_;  // those of the tile itself; what is at others' indices means nothing
   std::vector<double> x_, y_, z_, unfit_;
   std::vector<int> start_;
   std::vector<int> next_;
+  // Of those, the ones of the tile itself, in any order.
+  struct Inner {
+    std::size_t index;
+    const tile::VotedTensor* tensor;
+  };
+  std::vector<Inner> inner_;
+  std::vector<double> inner_x_, inner_y_, slope_x_, slope_y_, noise_;
 };
 
 }  // namespace curbstone::semantic_map::curbs

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "services/semantic_map/curbs/vectorised.hpp"
+#include "services/semantic_map/tile/vectorised.hpp"
 
 namespace curbstone::semantic_map::curbs {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "services/semantic_map/curbs/vectorised.hpp"
+#include "services/semantic_map/tile/vectorised.hpp"
 
 namespace curbstone::semantic_map::curbs {
 

@@ -74,6 +74,7 @@ class GroundSurface {
   [[nodiscard]] std::optional<double> height_or_rough(double x, double y) const;
 
  private:
+  friend class GroundColumns;
   static constexpr int kNodes = 3 * GroundModel::kPerSide;
   template <class Visit>
   double blend(double x, double y, Visit visit) const;

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "services/semantic_map/curbs/curb_filter.hpp"
 #include "services/semantic_map/curbs/curb_support.hpp"
@@ -21,8 +22,9 @@ CurbCandidate step_at(double x, double y, double direction_of_up, double score) 
 std::vector<double> pooled(const std::vector<CurbCandidate>& candidates) {
   std::vector<PlacedCandidate> placed;
   for (const CurbCandidate& c : candidates) placed.push_back({c.at, c.up, &c});
+  const CandidateField field(placed);
   std::vector<double> result;
-  for (const PlacedCandidate& c : placed) result.push_back(pool_along_line(c, placed));
+  for (const PlacedCandidate& c : placed) result.push_back(field.pool_along_line(c));
   return result;
 }
 
@@ -78,6 +80,28 @@ TEST(CurbSupport, FacesAlongALinePoolHowFarTheyLeanBack) {
   for (const CurbCandidate& c : line) placed.push_back({c.at, c.up, &c});
   EXPECT_LT(line[10].lean.slope(), 0.25) << "of few points rather upright";
   EXPECT_NEAR(lean_along_line(placed[10], placed), 0.45, 0.04) << "with the evidence of the whole line";
+}
+
+/// Of few candidates and of many, which are looked at side by side.
+TEST(CurbSupport, DoesNotDependOnCandidatesFarAwayNorOnTheirOrder) {
+  std::mt19937 random(1);
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  std::vector<CurbCandidate> all;
+  for (int i = 0; i < 500; ++i) all.push_back(step_at(uniform(-3, 6), uniform(-3, 6), uniform(0, 2), uniform(5, 50)));
+  const std::vector<double> of_all = pooled(all);
+  int num_alone = 0;
+  for (std::size_t i = 0; i < all.size(); i += 7) {
+    std::vector<CurbCandidate> near = {all[i]};
+    for (auto c = all.rbegin(); c != all.rend(); ++c) {
+      if ((c->at - all[i].at).norm() < 2.1) near.push_back(*c);
+    }
+    ASSERT_LT(near.size(), all.size() / 2);
+    EXPECT_EQ(pooled(near).front(), of_all[i]);
+    num_alone += pooled({all[i]}).front() == of_all[i] ? 1 : 0;
+  }
+  EXPECT_LT(num_alone, 24) << "of 72: most have others on their lines";
 }
 
 /// Scan lines 0.6 m apart cross a curb along y = 1.5. Between each two of them a step can also be put aslant, and with
