@@ -15,7 +15,7 @@ struct SemanticMapConfig {
   std::string map = "map.db";       ///< file; empty: the map lives in memory only
   bool keep_earlier_drives = true;  ///< in files beside the map
   std::string picture;              ///< PNG of the map, written at the end; empty: none
-  int work_per_tick = 8;            ///< tiles whose ground and curbs are computed per 20 ms
+  int work_per_tick = 9;            ///< tiles whose ground and curbs are computed per 20 ms
   double curb_range = 20.0;         ///< m around the vehicle that CURBS and MARKINGS cover
   int max_pending_tiles = 20'000;   ///< kept in memory while the disk is full
   double keep_free = 1;             ///< GB of the disk that spilled tiles leave free
