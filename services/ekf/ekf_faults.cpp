@@ -41,9 +41,10 @@ void describe_axes(const filter::LostAxes& axes, std::vector<std::string>& fault
   for (int axis = 0; axis < 3; ++axis) {
     if (!axes.lost(axis)) continue;
     faults.push_back(fmt::format("IMU: the gyro's {} axis is stuck at {:.4f} rad/s and not used: switch it off and on",
-                                 "xyz"[axis], axes.shown()[axis]));
+                                 "xyz"[axis], axes.measured_rate()[axis]));
   }
-  if (axes.turn_is_lost()) faults.emplace_back("no gyro about the vertical: the wheels tell how it turns, and slip");
+  if (axes.yaw_rate_unmeasured())
+    faults.emplace_back("no gyro about the vertical: the wheels tell how it turns, and slip");
 }
 
 void describe_noise(const inputs::ImuNoise& noise, const base::NoiseConfig& configured,

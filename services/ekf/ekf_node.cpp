@@ -43,7 +43,7 @@ void EkfNode::tick(std::int64_t now) {
   if (!state_keeper_ || !filter_.filter().started()) return;
   if (now >= state_kept_ && now - state_kept_ < kStatePeriod) return;
   state_kept_ = now;
-  model::Belief belief = filter_.filter().axes().with_biases(filter_.filter().belief());
+  model::Belief belief = filter_.filter().axes().with_restored_biases(filter_.filter().belief());
   belief.utime += clock_.set_by();
   state_keeper_->keep(belief);
 }
