@@ -24,7 +24,7 @@ double distance_since_standing(double speed) {
 void inflate_motion_covariance(model::Belief& belief, double speed_sigma, const base::StartConfig& config) {
   widen(belief, model::kVelocity, speed_sigma);
   widen(belief, model::kAttitude, config.moving_tilt_sigma);
-  detection::forget_accelerometer_bias(belief, config);
+  detection::reset_accelerometer_bias(belief, config);
 }
 
 void inflate_over_gap(model::Belief& belief, double gap, const base::StartConfig& config) {

@@ -163,7 +163,7 @@ void Filter::update_level() {
   const Eigen::Matrix3d in_odom =
       R * belief_.covariance.block<3, 3>(model::kAttitude, model::kAttitude) * R.transpose();
   const double sigma = std::sqrt(std::max(in_odom(0, 0), in_odom(1, 1)));
-  if (level_.look(sigma, standing_, belief_.utime, config_->start)) counters_.add("level.lost");
+  if (level_.update(sigma, standing_, belief_.utime, config_->start)) counters_.add("level.lost");
 }
 
 /// Adapts the belief to gyro axes that have got stuck, or work again.
@@ -172,8 +172,8 @@ void Filter::update_stuck_axes() {
   if (!axes_.update(belief_, mechanisation_.wheel_yaw_rate(), standing_, counters_)) return;
   smoother_.corrected(before, model::base_pose(belief_.mean, geometry_));
   if (axes_.declared_stuck()) {  // the gyro has been wrong for long, and wheels and axle were learnt from it
-    detection::forget_wheel_scale(belief_, config_->wheels);
-    detection::forget_axle(belief_, config_->wheels);
+    detection::reset_wheel_scale(belief_, config_->wheels);
+    detection::reset_axle(belief_, config_->wheels);
   }
   if (mechanisation_.last_imu()) mechanisation_.set_last_imu(in_body(axes_.previous_sample()));
   mechanisation_.window().reset();

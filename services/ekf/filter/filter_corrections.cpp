@@ -126,7 +126,7 @@ void Filter::correct_driving(const inputs::WheelInterval& interval) {
   reset_implausible_axle();
   if (is_motion_wrong(motion, refused)) {
     reset_motion(trusted_speed(interval) - motion.velocity.x());
-    detection::forget_wheel_scale(belief_, config_->wheels);
+    detection::reset_wheel_scale(belief_, config_->wheels);
     slip_.accept_both();
   }
 }
@@ -164,7 +164,7 @@ void Filter::reset_implausible_axle() {
       belief_.mean.course.cwiseAbs().maxCoeff() > kMaxAxleError * config_->wheels.course_sigma;
   if (!implausible) return;
   counters_.add("reset.axle");
-  detection::forget_axle(belief_, config_->wheels);
+  detection::reset_axle(belief_, config_->wheels);
 }
 
 /// Whether the filter's motion is wrong: the wheels have been refused for long and are not at fault, or the speed is
@@ -172,7 +172,7 @@ void Filter::reset_implausible_axle() {
 /// wrong.
 bool Filter::is_motion_wrong(const model::BodyMotion& motion, bool refused) {
   const bool fresh = level_.is_fresh(belief_.utime);
-  const bool disputed = wheels_refused_.lasts(refused, belief_.utime, fresh ? kFreshDispute : config_->slip.patience);
+  const bool disputed = wheels_refused_.expired(refused, belief_.utime, fresh ? kFreshDispute : config_->slip.patience);
   const bool absurd = motion.velocity.norm() > config_->wheels.max_speed;
   const bool doubted = disputed && (fresh || resolve_dispute() == wheel_faults::WheelWatch::Finding::kFilterWrong);
   return doubted || absurd;
@@ -247,9 +247,9 @@ model::Observation Filter::observe_constraint(const model::BodyMotion& motion) {
   if (!lateral_fits) counters_.add("gated.lateral");
   if (!vertical_fits) counters_.add("gated.vertical");
   const bool refused = !lateral_fits || !vertical_fits;
-  if (constraint_refused_.lasts(refused, belief_.utime, config_->slip.patience)) {
+  if (constraint_refused_.expired(refused, belief_.utime, config_->slip.patience)) {
     reset_motion(motion.velocity.tail<2>().norm());
-    detection::forget_axle(belief_, c);
+    detection::reset_axle(belief_, c);
   }
   return model::stack(lateral, vertical);
 }

@@ -109,7 +109,7 @@ void LostAxes::mark_stuck(int axis, model::Belief& belief, double wheel_yaw_rate
   if (!upright && std::abs(error.angle) > config_.start.moving_tilt_sigma) {  // gravity counted as acceleration
     belief.covariance.diagonal().segment<3>(model::kVelocity).array() +=
         std::pow(0.5 * kGravity * error.angle * std::min(seconds, kLevelling), 2);
-    detection::forget_accelerometer_bias(belief, config_.start);
+    detection::reset_accelerometer_bias(belief, config_.start);
   }
   const bool levelled = !upright && seconds > kLevelling;  // the accelerometer has corrected most of it
   if (levelled && std::abs(error.angle) > config_.start.moving_tilt_sigma) {
