@@ -63,12 +63,12 @@ EncoderNode::EncoderNode(const EncoderConfig& config, Publisher& bus, Send send)
              {std::move(send),
               [this](std::int64_t utime, std::array<std::int32_t, 2> counts) { on_counts(utime, counts); },
               [this] {
-                drop_first();
+                drop_held();
                 odometer_.restart();
                 stuck_.restart();
               },
               [this] {
-                drop_first();
+                drop_held();
                 clock_.restart();
               }}),
       signals_(signals_of(config)),
@@ -98,20 +98,20 @@ void EncoderNode::on_frame(std::int64_t receive_utime, const can::CanFrame& fram
   }
 }
 
-void EncoderNode::begin_anew() {
-  drop_first();
+void EncoderNode::restart_counting() {
+  drop_held();
   odometer_.restart();
   stuck_.restart();
   clock_.restart();
 }
 
 void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw& counts) {
-  const bool were_two = senders_.two();
+  const bool had_two_senders = senders_.detected();
   if (senders_.add(counts)) {
     last_received_ = receive_utime;
     return counters_.add("withheld.two_senders");
   }
-  if (were_two) begin_anew();
+  if (had_two_senders) restart_counting();
   // The clock counts samples: a repeated frame would shift it by a period.
   const double period = static_cast<double>(clock_.period()) * 1e-6;
   const bool at_once = receive_utime - last_received_ < clock_.period() / 4;
@@ -121,7 +121,8 @@ void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw&
     return;
   }
   // Another node with the same id sends at any time: the clock must not count its frames either.
-  if (clock_.is_early(receive_utime) && !odometer_.can_be(counts, period * static_cast<double>(waiting_.size() + 1))) {
+  if (clock_.is_early(receive_utime) &&
+      !odometer_.is_possible(counts, period * static_cast<double>(waiting_.size() + 1))) {
     counters_.add("refused.jump");
     refusal_ = "refused.jump";
     return;
@@ -155,7 +156,7 @@ void EncoderNode::on_signals(std::int64_t receive_utime, const can::CanFrame& fr
   }
   if (!first) return on_counts(receive_utime, values->counts);
   if (last_received_ != 0) counters_.add("counts_restarted");
-  drop_first();
+  drop_held();
   odometer_.restart();
   clock_.restart();
   (void)odometer_.update(values->counts, 0);
@@ -163,7 +164,7 @@ void EncoderNode::on_signals(std::int64_t receive_utime, const can::CanFrame& fr
 }
 
 void EncoderNode::on_sample(std::int64_t receive_utime, PeriodClock::Evidence evidence, Update update) {
-  if (!period_known_ && receive_utime - last_received_ > PeriodClock::kMaxGap) drop_first();
+  if (!period_known_ && receive_utime - last_received_ > PeriodClock::kMaxGap) drop_held();
   last_received_ = receive_utime;
   const auto& status = drive_.status();
   Arrived arrived{receive_utime, std::move(update), status.faults, status.enabled(receive_utime), stuck_.all_stuck()};
@@ -173,22 +174,22 @@ void EncoderNode::on_sample(std::int64_t receive_utime, PeriodClock::Evidence ev
     arrived.enabled = false;
   }
   if (period_known_) return stamp(std::move(arrived), evidence);
-  first_.push_back({std::move(arrived), std::move(evidence)});
+  held_.push_back({std::move(arrived), std::move(evidence)});
   if (const auto period = first_period_.add(receive_utime)) {
     clock_.set_period(*period);
-    release_first();
+    release_held();
   }
 }
 
-void EncoderNode::release_first() {
+void EncoderNode::release_held() {
   period_known_ = true;
-  for (First& first : std::exchange(first_, {})) stamp(std::move(first.arrived), first.evidence);
+  for (HeldSample& held : std::exchange(held_, {})) stamp(std::move(held.arrived), held.evidence);
 }
 
 /// Drops samples that were interrupted before their period was known: their times are unknown too.
-void EncoderNode::drop_first() {
-  if (!first_.empty()) counters_.add("withheld.unsure", static_cast<std::int64_t>(first_.size()));
-  first_.clear();
+void EncoderNode::drop_held() {
+  if (!held_.empty()) counters_.add("withheld.unsure", static_cast<std::int64_t>(held_.size()));
+  held_.clear();
   first_period_.restart();
 }
 
@@ -209,8 +210,8 @@ void EncoderNode::on_stamp(std::int64_t now, const Arrived& arrived, const Perio
   if (stamp.sure || stamp.steps > 0) last_stamped_ = arrived.receive_utime;
   if (!stamp.sure) {
     counters_.add("withheld.unsure");
-    odometer_.pass(elapsed);
-    speedometer_.pass(elapsed);
+    odometer_.skip(elapsed);
+    speedometer_.skip(elapsed);
     return;
   }
   if (stamp.lost > 0) counters_.add("lost.samples", stamp.lost);
@@ -234,7 +235,7 @@ void EncoderNode::on_stamp(std::int64_t now, const Arrived& arrived, const Perio
 }
 
 void EncoderNode::finish() {
-  release_first();
+  release_held();
   start_.release([this](wheels_t& message) { output_.publish(message, last_received_); });
   if (!waiting_.empty()) counters_.add("withheld.unsure", static_cast<std::int64_t>(waiting_.size()));
   waiting_.clear();
@@ -251,7 +252,7 @@ void EncoderNode::on_link(std::int64_t now, bool up, const std::string& why) {
 void EncoderNode::clock_was_set(std::int64_t by) {
   if (by <= 0) return;  // frames with earlier times of receipt show it
   counters_.add("clock_jumps");
-  drop_first();
+  drop_held();
   clock_.restart();
 }
 
@@ -286,7 +287,7 @@ NodeReport EncoderNode::report() const {
     for (std::string& fault : stuck_.faults()) report.faults.push_back(std::move(fault));
   }
   if (share_.fault()) report.faults.push_back(*share_.fault());
-  if (senders_.two()) {
+  if (senders_.detected()) {
     report.faults.push_back(fmt::format(
         "two nodes send positions as one, none is used: {}",
         signals_ ? "two senders of one CAN id?" : fmt::format("another drive with CAN node id {}?", config_.node)));

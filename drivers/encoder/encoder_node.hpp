@@ -72,15 +72,15 @@ class EncoderNode final : public Node {
     bool enabled;
     bool stuck;  // neither count is usable
   };
-  struct First {  // waits for the period
+  struct HeldSample {  // waits for the period
     Arrived arrived;
     PeriodClock::Evidence evidence;
   };
   void on_sample(std::int64_t receive_utime, PeriodClock::Evidence evidence, Update update);
   void stamp(Arrived arrived, const PeriodClock::Evidence& evidence);
-  void release_first();
-  void drop_first();
-  void begin_anew();
+  void release_held();
+  void drop_held();
+  void restart_counting();
   void on_stamp(std::int64_t now, const Arrived& arrived, const PeriodClock::Stamp& stamp);
 
   EncoderConfig config_;
@@ -92,7 +92,7 @@ class EncoderNode final : public Node {
   TwoSenders senders_;
   FirstPeriod first_period_;
   bool period_known_ = false;
-  std::vector<First> first_;
+  std::vector<HeldSample> held_;
   PeriodClock clock_;
   SettlingStart<wheels_t> start_;
   WheelsOutput output_;

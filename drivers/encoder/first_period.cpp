@@ -25,10 +25,10 @@ std::optional<std::int64_t> FirstPeriod::add(std::int64_t received) {
   if (explains(nominal_, kFew)) return nominal_;
   if (arrivals_.size() <= kMany) return {};
   if (const std::int64_t period = rounded(mean(kMany), kStep); explains(period, kMany)) return period;
-  if (const auto period = of_like_gaps()) return period;
+  if (const auto period = mean_of_similar_gaps()) return period;
   if (arrivals_.size() < kMost) return {};
-  const std::int64_t of_all = mean(arrivals_.size() - 1);
-  return kOffByMean * std::abs(of_all - nominal_) <= nominal_ ? nominal_ : rounded(of_all, kCoarse);
+  const std::int64_t mean_of_all = mean(arrivals_.size() - 1);
+  return kOffByMean * std::abs(mean_of_all - nominal_) <= nominal_ ? nominal_ : rounded(mean_of_all, kCoarse);
 }
 
 /// Mean of the newest gaps.
@@ -50,7 +50,7 @@ bool FirstPeriod::explains(std::int64_t period, std::size_t gaps) const {
 }
 
 /// Mean of the gaps that are alike, if most are: a lost sample makes one that is not.
-std::optional<std::int64_t> FirstPeriod::of_like_gaps() const {
+std::optional<std::int64_t> FirstPeriod::mean_of_similar_gaps() const {
   std::vector<std::int64_t> gaps;
   for (std::size_t i = arrivals_.size() - kMany; i < arrivals_.size(); ++i)
     gaps.push_back(arrivals_[i] - arrivals_[i - 1]);

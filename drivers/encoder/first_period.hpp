@@ -28,7 +28,7 @@ class FirstPeriod {
 
  private:
   [[nodiscard]] bool explains(std::int64_t period, std::size_t gaps) const;
-  [[nodiscard]] std::optional<std::int64_t> of_like_gaps() const;
+  [[nodiscard]] std::optional<std::int64_t> mean_of_similar_gaps() const;
   [[nodiscard]] std::int64_t mean(std::size_t gaps) const;
 
   std::int64_t nominal_;

@@ -11,20 +11,20 @@ constexpr std::int64_t kWindow = 3'000'000;  // us, of the offset
 constexpr std::int64_t kJump = 1'000'000;
 constexpr std::int64_t kPunctual = 800;  // us: a sample that is later by no more is on the period
 constexpr std::int64_t kEarly = 300;     // us: nor earlier by more
-constexpr int kHopeless = 1000;          // released as unsure
-constexpr int kOrderly = PeriodClock::kSettle * 6 / 10;
+constexpr int kMaxUnsure = 1000;         // released as unsure
+constexpr int kMinPunctual = PeriodClock::kSettle * 6 / 10;
 }  // namespace
 
 /// Restarts. The waiting samples are released as unsure: how much time has passed is unknown.
 void PeriodClock::begin(std::int64_t received) {
   for (const Waiting& waiting : waiting_) decided_.push_back({.utime = waiting.received, .sure = false});
   waiting_.clear();
-  given_up_ = 0;
+  released_unsure_ = 0;
   offset_ = ClockOffset(kWindow, kJump);
   running_ = true;
   index_ = 0;
   stamped_ = 0;
-  off_beat_ = 0;
+  off_phase_ = 0;
   block_size_ = 0;
   last_stamp_ = offset_.to_host(0, received);
   decided_.push_back({.utime = last_stamp_, .restarted = true});
@@ -35,15 +35,15 @@ const std::vector<PeriodClock::Stamp>& PeriodClock::stamp(std::int64_t received,
   measure_period(received);
   const std::int64_t gap = received - last_received_;
   last_received_ = received;
-  if (!running_ || gap > kMaxSleep || gap < 0 || on_another_beat()) {
+  if (!running_ || gap > kMaxSleep || gap < 0 || has_other_phase()) {
     begin(received);
     return decided_;
   }
-  if (comes_off_the_beat(received)) {
-    take_off_the_beat(received, gap);
+  if (is_off_phase(received)) {
+    add_off_phase(received, gap);
     return decided_;
   }
-  if (waiting_.size() == kMost) give_up_oldest();
+  if (waiting_.size() == kMost) release_oldest();
   const int least = static_cast<int>(waiting_.size()) + 1;  // periods since the last stamped sample
   const std::int64_t delay = received - (offset_.offset() + (index_ + least) * period_);
   const int most = most_missing(delay);
@@ -58,29 +58,29 @@ const std::vector<PeriodClock::Stamp>& PeriodClock::stamp(std::int64_t received,
   }
   waiting_.push_back({received, delay, missing});
   if (most == 0) {
-    decide(0, 0, waiting_.size() - 1);
+    apply({.missing = 0, .first_certain = 0, .last = waiting_.size() - 1, .basis = Basis::kArrivals});
   } else {
     decide_by_evidence();
-    decide_by_order();
+    decide_by_regularity();
   }
   return decided_;
 }
 
-bool PeriodClock::comes_off_the_beat(std::int64_t received) const {
+bool PeriodClock::is_off_phase(std::int64_t received) const {
   if (stamped_ < kSettle || !waiting_.empty()) return false;
-  return off_beat_ > 0 || received < offset_.offset() + (index_ + 1) * period_ - tolerance();
+  return off_phase_ > 0 || received < offset_.offset() + (index_ + 1) * period_ - tolerance();
 }
 
-/// Takes a sample after one that was off the beat. Whatever the period is now, a sample that is on the beat was taken
+/// Takes a sample after one that was off phase. Whatever the period is now, a sample that is in phase was taken
 /// at that time, and the number of periods since the last one follows from it.
-void PeriodClock::take_off_the_beat(std::int64_t received, std::int64_t gap) {
+void PeriodClock::add_off_phase(std::int64_t received, std::int64_t gap) {
   const std::int64_t since = received - offset_.offset() - index_ * period_;
   const auto steps = static_cast<int>((since + kEarly) / period_);
-  ++off_beat_;
+  ++off_phase_;
   regular_ = std::abs(gap - period_) <= period_ / 8 ? regular_ + 1 : 0;
-  if (off_beat_ > 1 && steps >= 1 && since - steps * period_ <= tolerance()) {
-    stamp_next(received, steps, true, std::max(steps - off_beat_, 0));
-  } else if (regular_ >= kRegular || off_beat_ >= kMost) {
+  if (off_phase_ > 1 && steps >= 1 && since - steps * period_ <= tolerance()) {
+    stamp_next(received, steps, true, std::max(steps - off_phase_, 0));
+  } else if (regular_ >= kRegular || off_phase_ >= kMost) {
     begin(received);
   } else {
     decided_.push_back({.utime = received, .steps = 0, .sure = false});
@@ -109,7 +109,8 @@ void PeriodClock::decide_by_evidence() {
   const auto agrees = [&](const Waiting& waiting) { return waiting.missing == missing; };
   const auto first = std::find_if(waiting_.begin(), waiting_.end(), agrees);
   const auto position = static_cast<std::size_t>(first - waiting_.begin());
-  if (position + 1 < waiting_.size()) decide(*missing, position, waiting_.size() - 1, true);
+  if (position + 1 == waiting_.size()) return;
+  apply({.missing = *missing, .first_certain = position, .last = waiting_.size() - 1, .basis = Basis::kEvidence});
 }
 
 /// Number of the last kSettle waiting samples that arrived within kPunctual of `delay`.
@@ -122,56 +123,59 @@ bool PeriodClock::is_punctual(std::int64_t delay) const {
   return delay >= -kEarly && delay <= std::min(kPunctual, period_ / 8);
 }
 
-std::int64_t PeriodClock::least_delay() const {
+std::int64_t PeriodClock::min_delay() const {
   const auto by_delay = [](const Waiting& a, const Waiting& b) { return a.delay < b.delay; };
   return std::min_element(waiting_.end() - kSettle, waiting_.end(), by_delay)->delay;
 }
 
 /// The first sample on the period may be a late one that looks punctual: decides from the second one on.
-void PeriodClock::decide_by_order() {
+void PeriodClock::decide_by_regularity() {
   if (waiting_.size() < kSettle) return;
-  const int missing = most_missing(least_delay());
-  if (count_punctual(missing * period_) < kOrderly) return;
+  const int missing = most_missing(min_delay());
+  if (count_punctual(missing * period_) < kMinPunctual) return;
   const auto punctual = [&](const Waiting& waiting) { return is_punctual(waiting.delay - missing * period_); };
   const auto begin = waiting_.end() - kSettle;
   const auto first = std::find_if(std::find_if(begin, waiting_.end(), punctual) + 1, waiting_.end(), punctual);
   const auto last = std::find_if(waiting_.rbegin(), waiting_.rend(),
                                  [&](const Waiting& waiting) { return most_missing(waiting.delay) == missing; });
-  decide(missing, static_cast<std::size_t>(first - waiting_.begin()),
-         static_cast<std::size_t>(std::distance(last, waiting_.rend())) - 1);
+  apply({.missing = missing,
+         .first_certain = static_cast<std::size_t>(first - waiting_.begin()),
+         .last = static_cast<std::size_t>(std::distance(last, waiting_.rend())) - 1,
+         .basis = Basis::kArrivals});
 }
 
-/// Whether the waiting samples keep a beat of their own, because the device was stopped meanwhile, or no decision is in
-/// sight.
-bool PeriodClock::on_another_beat() const {
+/// Whether the waiting samples keep a phase of their own, because the device was stopped meanwhile, or no decision is
+/// in sight.
+bool PeriodClock::has_other_phase() const {
   if (waiting_.size() < kMost) return false;
-  return given_up_ >= kHopeless || count_punctual(least_delay()) >= kOrderly;
+  return released_unsure_ >= kMaxUnsure || count_punctual(min_delay()) >= kMinPunctual;
 }
 
-void PeriodClock::give_up_oldest() {
+void PeriodClock::release_oldest() {
   stamp_next(waiting_.front().received, 1, false, 0);
   waiting_.pop_front();
-  ++given_up_;
+  ++released_unsure_;
 }
 
-/// Decides waiting samples up to `last`: `missing` samples are missing before `first`, and no more before `last`,
-/// because the number never decreases. `by_evidence`: two later samples agree on the number, and those before `first`
-/// are accepted if their own number fits.
-void PeriodClock::decide(int missing, std::size_t first, std::size_t last, bool by_evidence) {
-  given_up_ = 0;
-  int so_far = 0;
-  for (std::size_t i = 0; i <= last; ++i) {
+/// Stamps the waiting samples up to `last`. The number of missing samples never decreases, so by evidence those before
+/// `first_certain` are accepted, too, if their own number fits.
+void PeriodClock::apply(const Decision& decision) {
+  const int missing = decision.missing;
+  released_unsure_ = 0;
+  int lost_so_far = 0;
+  for (std::size_t i = 0; i <= decision.last; ++i) {
     const Waiting waiting = waiting_.front();
     waiting_.pop_front();
-    std::optional<int> before;
-    if (missing == 0 || i >= first) {
-      before = missing;
-    } else if (by_evidence && waiting.missing && *waiting.missing >= so_far && *waiting.missing <= missing) {
-      before = waiting.missing;
+    std::optional<int> missing_before;
+    if (missing == 0 || i >= decision.first_certain) {
+      missing_before = missing;
+    } else if (decision.basis == Basis::kEvidence && waiting.missing && *waiting.missing >= lost_so_far &&
+               *waiting.missing <= missing) {
+      missing_before = waiting.missing;
     }
-    const int lost = before ? *before - so_far : 0;
-    stamp_next(waiting.received, 1 + lost, before.has_value(), lost);
-    so_far = before.value_or(so_far);
+    const int lost = missing_before ? *missing_before - lost_so_far : 0;
+    stamp_next(waiting.received, 1 + lost, missing_before.has_value(), lost);
+    lost_so_far = missing_before.value_or(lost_so_far);
   }
   for (Waiting& waiting : waiting_) {
     waiting.delay -= missing * period_;
@@ -180,7 +184,7 @@ void PeriodClock::decide(int missing, std::size_t first, std::size_t last, bool 
 }
 
 void PeriodClock::stamp_next(std::int64_t received, int steps, bool sure, int lost) {
-  off_beat_ = regular_ = 0;
+  off_phase_ = regular_ = 0;
   index_ += steps;
   const std::int64_t expected = last_stamp_ + steps * period_;
   if (!sure) {

@@ -22,17 +22,17 @@ namespace curbstone::encoder {
 ///    suffice: it may be corrupt;
 ///  - by kSettle of them in a row, most of which arrive exactly on the period: the host's delays are not that regular.
 ///    Those before the second one on the period are unsure.
-/// A sample that arrives well before its time is off the beat: it was sent twice, or the device has changed its period
-/// or phase. It and those that follow are unsure until one is on the beat again, or kRegular in a row are a period
+/// A sample that arrives well before its time is off phase: it was sent twice, or the device has changed its period
+/// or phase. It and those that follow are unsure until one is in phase again, or kRegular in a row are a period
 /// apart: then the clock restarts. A new period is measured meanwhile.
 ///
-/// If kMost samples wait, the oldest is released as unsure. If they keep a beat of their own, or none for long, the
+/// If kMost samples wait, the oldest is released as unsure. If they keep a phase of their own, or none for long, the
 /// clock restarts. Pure; one thread. All times in us.
 class PeriodClock {
  public:
   struct Stamp {
     std::int64_t utime = 0;    ///< us; never after the arrival
-    int steps = 1;             ///< periods since the previous sample; 0: off the beat
+    int steps = 1;             ///< periods since the previous sample; 0: off phase
     int lost = 0;              ///< lost samples since the previous sample
     bool sure = true;          ///< false: the time of sampling is unknown; the stamp is a guess
     bool restarted = false;    ///< the time since the previous sample is unknown
@@ -45,7 +45,7 @@ class PeriodClock {
   static constexpr int kSettle = 50;
   /// Maximum number of waiting samples.
   static constexpr int kMost = 200;
-  /// Samples a period apart that make a new beat.
+  /// Samples a period apart that make a new phase.
   static constexpr int kRegular = 5;
   /// us; after a longer silence the clock restarts, unless the evidence says that nothing is missing: the host was
   /// suspended, and what the device sent meanwhile arrives at once.
@@ -79,14 +79,25 @@ class PeriodClock {
   [[nodiscard]] int most_missing(std::int64_t delay) const;
   [[nodiscard]] bool is_punctual(std::int64_t delay) const;
   [[nodiscard]] int count_punctual(std::int64_t delay) const;
-  [[nodiscard]] std::int64_t least_delay() const;
-  [[nodiscard]] bool on_another_beat() const;
-  void give_up_oldest();
-  [[nodiscard]] bool comes_off_the_beat(std::int64_t received) const;
-  void take_off_the_beat(std::int64_t received, std::int64_t gap);
+  [[nodiscard]] std::int64_t min_delay() const;
+  [[nodiscard]] bool has_other_phase() const;
+  void release_oldest();
+  [[nodiscard]] bool is_off_phase(std::int64_t received) const;
+  void add_off_phase(std::int64_t received, std::int64_t gap);
   void decide_by_evidence();
-  void decide_by_order();
-  void decide(int missing, std::size_t first, std::size_t last, bool by_evidence = false);
+  void decide_by_regularity();
+  /// How the number of missing samples was found.
+  enum class Basis {
+    kArrivals,  ///< times of arrival
+    kEvidence,  ///< two later samples agree on it by their counts
+  };
+  struct Decision {
+    int missing;                ///< samples that are missing before `first_certain`, and no more before `last`
+    std::size_t first_certain;  ///< waiting sample from which on that number is certain
+    std::size_t last;           ///< last waiting sample to stamp
+    Basis basis;
+  };
+  void apply(const Decision& decision);
   void stamp_next(std::int64_t received, int steps, bool sure, int lost);
 
   static constexpr int kBlock = 64;  // samples over which the period is measured
@@ -98,10 +109,10 @@ class PeriodClock {
   std::int64_t index_ = 0;       // k of the latest stamped sample
   std::int64_t last_stamp_ = 0;  // us
   std::int64_t last_received_ = 0;
-  int stamped_ = 0;   // samples since the start, up to kSettle
-  int given_up_ = 0;  // samples since the latest stamped one
-  int off_beat_ = 0;  // samples since the latest one on the beat
-  int regular_ = 0;   // of these, the latest in a row that were a period apart
+  int stamped_ = 0;          // samples since the start, up to kSettle
+  int released_unsure_ = 0;  // samples since the latest stamped one
+  int off_phase_ = 0;        // samples since the latest one in phase
+  int regular_ = 0;          // of these, the latest in a row that were a period apart
   std::deque<Waiting> waiting_;
   std::vector<Stamp> decided_;
   std::int64_t block_begin_ = 0;                 // us, arrival of the block's first sample

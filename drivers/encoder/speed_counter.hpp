@@ -20,7 +20,7 @@ class SpeedCounter {
   /// `speeds` rad/s, as on the bus; `elapsed` s since the last update() call. Empty if the speeds are impossible.
   std::optional<WheelCounter::Sample> update(const std::array<double, 2>& speeds, double elapsed);
   /// `elapsed` s have passed since the last update() or pass() call without known speeds.
-  void pass(double elapsed) { since_accepted_ += elapsed; }
+  void skip(double elapsed) { since_accepted_ += elapsed; }
   /// The motion until the next sample is unknown.
   void restart() { last_.reset(); }
   [[nodiscard]] const Counters& counters() const { return counters_; }

@@ -32,31 +32,31 @@ class TwoSenders {
 
   /// Adds raw counts in the order of receipt. Returns whether there are two senders.
   bool add(const std::array<std::int32_t, 2>& counts) {
-    bool turned = false;
+    bool reversed = false;
     for (std::size_t wheel = 0; wheel < 2 && last_; ++wheel) {
       const double change = static_cast<std::int32_t>(static_cast<std::uint32_t>(counts[wheel]) -
                                                       static_cast<std::uint32_t>((*last_)[wheel]));
       const double least = std::min(std::abs(change), std::abs(changes_[wheel]));
       const double most = std::max(std::abs(change), std::abs(changes_[wheel]));
-      turned |= change * changes_[wheel] < 0 && least >= least_ && (two_ || most <= most_);
+      reversed |= change * changes_[wheel] < 0 && least >= least_ && (detected_ || most <= most_);
       changes_[wheel] = change;
     }
     last_ = counts;
-    turns_ = turned ? turns_ + 1 : 0;
-    steady_ = turned ? 0 : steady_ + 1;
-    if (turns_ >= kBegin) two_ = true;
-    if (steady_ >= kEnd) two_ = false;
-    return two_;
+    reversals_ = reversed ? reversals_ + 1 : 0;
+    steady_ = reversed ? 0 : steady_ + 1;
+    if (reversals_ >= kBegin) detected_ = true;
+    if (steady_ >= kEnd) detected_ = false;
+    return detected_;
   }
-  [[nodiscard]] bool two() const { return two_; }
+  [[nodiscard]] bool detected() const { return detected_; }
 
  private:
   double least_, most_;  // counts
   std::optional<std::array<std::int32_t, 2>> last_;
   std::array<double, 2> changes_{};  // counts, the latest changes
-  int turns_ = 0;                    // in a row
+  int reversals_ = 0;                // in a row
   int steady_ = 0;                   // counts in a row without a turn
-  bool two_ = false;
+  bool detected_ = false;
 };
 
 }  // namespace curbstone::encoder

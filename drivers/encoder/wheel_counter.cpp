@@ -34,7 +34,7 @@ std::optional<WheelCounter::Sample> WheelCounter::update(const Raw& raw, double 
   }
   since_accepted_ += elapsed;
   std::array<double, 2> moved = difference(*last_, raw);
-  if (!possible(moved, since_accepted_) || begins_at_zero(raw, moved)) {
+  if (!possible(moved, since_accepted_) || counts_were_reset(raw, moved)) {
     const bool agrees = suspects_ > 0 && possible(difference(*suspect_, raw), elapsed);
     suspects_ = agrees ? suspects_ + 1 : 1;
     suspect_ = raw;
@@ -44,7 +44,7 @@ std::optional<WheelCounter::Sample> WheelCounter::update(const Raw& raw, double 
     }
     counters_.add("counts_restarted");
     moved = {};
-  } else if (is_old(moved)) {
+  } else if (is_stale(moved)) {
     counters_.add(refusal_ = "refused.old_counts");
     return {};
   }
@@ -71,13 +71,13 @@ double WheelCounter::accelerated(double time) const {
 
 /// The rate may be wrong by its own magnitude, because stamps jitter.
 bool WheelCounter::explained(std::size_t wheel, double moved, double time) const {
-  const double doubt = accelerated(time) + kUnexplained * settings_.counts_per_revolution / (2 * std::numbers::pi);
-  return std::abs(moved - rate_[wheel] * time) <= doubt + std::abs(rate_[wheel]) * time;
+  const double tolerance = accelerated(time) + kUnexplained * settings_.counts_per_revolution / (2 * std::numbers::pi);
+  return std::abs(moved - rate_[wheel] * time) <= tolerance + std::abs(rate_[wheel]) * time;
 }
 
 /// Whether both counts are within a wheel's turn from zero since the latest sample, and one has leapt there: the drive
 /// has lost its supply, or its counts were reset.
-bool WheelCounter::begins_at_zero(const Raw& raw, const std::array<double, 2>& moved) const {
+bool WheelCounter::counts_were_reset(const Raw& raw, const std::array<double, 2>& moved) const {
   bool leapt = false;
   for (std::size_t i = 0; i < 2; ++i) {
     const double now = std::abs(static_cast<double>(raw[i]));
@@ -88,7 +88,7 @@ bool WheelCounter::begins_at_zero(const Raw& raw, const std::array<double, 2>& m
   return leapt;
 }
 
-bool WheelCounter::is_old(const std::array<double, 2>& moved) const {
+bool WheelCounter::is_stale(const std::array<double, 2>& moved) const {
   constexpr double kBraking = 60;  // rad/s^2, of a wheel: 10 m/s^2 at 0.17 m
   const double radians = 2 * std::numbers::pi / settings_.counts_per_revolution;
   const auto has_no_time_to_stop = [&](double rate) {
@@ -97,7 +97,7 @@ bool WheelCounter::is_old(const std::array<double, 2>& moved) const {
   return (moved[0] == 0 && has_no_time_to_stop(rate_[0])) || (moved[1] == 0 && has_no_time_to_stop(rate_[1]));
 }
 
-bool WheelCounter::can_be(const Raw& raw, double elapsed) const {
+bool WheelCounter::is_possible(const Raw& raw, double elapsed) const {
   return !last_ || possible(difference(*last_, raw), since_accepted_ + elapsed);
 }
 
@@ -117,21 +117,22 @@ std::optional<int> WheelCounter::likely_periods(const Raw& raw, int least, int m
   if (!last_) return {};
   const double before = since_accepted_ / period;  // periods, of samples that were refused or passed
   const std::array<double, 2> moved = difference(*last_, raw);
-  const auto surprise = [&](int periods) {  // counts
+  const auto residual = [&](int periods) {  // counts
     const double time = (before + periods) * period;
     return std::abs(moved[0] - rate_[0] * time) + std::abs(moved[1] - rate_[1] * time);
   };
   int best = least;
   for (int periods = least + 1; periods <= most; ++periods) {
-    if (surprise(periods) < surprise(best)) best = periods;
+    if (residual(periods) < residual(best)) best = periods;
   }
   // Undecided if more than a quarter of the turn in a period is unexplained, or the doubt, to both sides, exceeds half.
   const double turned = (std::abs(rate_[0]) + std::abs(rate_[1])) * period;
   const double periods = before + best;
   const double time = periods * period;
   const double by_acceleration = kAcceleration * time * (time + rate_time_) / 2;  // rad
-  const double doubt = by_acceleration * settings_.counts_per_revolution / (2 * std::numbers::pi) + 1 + 0.5 * periods;
-  if (surprise(best) > 0.25 * turned || 2 * doubt > 0.5 * turned) return {};
+  const double uncertainty =
+      by_acceleration * settings_.counts_per_revolution / (2 * std::numbers::pi) + 1 + 0.5 * periods;
+  if (residual(best) > 0.25 * turned || 2 * uncertainty > 0.5 * turned) return {};
   return best;
 }
 

@@ -38,14 +38,14 @@ class WheelCounter {
   void restart() { last_.reset(); }
 
   /// `elapsed` s have passed since the last update() or pass() call without known counts.
-  void pass(double elapsed) { since_accepted_ += elapsed; }
+  void skip(double elapsed) { since_accepted_ += elapsed; }
 
   /// Number of periods of `period` s (least..most) since the last update() or pass() call, assuming that the wheels did
   /// not accelerate more than vehicles do. Nothing if the counts do not show it, as with slow wheels.
   [[nodiscard]] std::optional<int> likely_periods(const Raw& raw, int least, int most, double period) const;
 
   /// Whether the wheels can have turned that far within `elapsed` s since the last update() or pass() call.
-  [[nodiscard]] bool can_be(const Raw& raw, double elapsed) const;
+  [[nodiscard]] bool is_possible(const Raw& raw, double elapsed) const;
 
   /// Whether the wheels turned too fast to stop within `period` s.
   [[nodiscard]] bool turns_fast(double period) const;
@@ -59,8 +59,8 @@ class WheelCounter {
   [[nodiscard]] double accelerated(double time) const;
   /// Whether the rate and a realistic acceleration explain the turn.
   [[nodiscard]] bool explained(std::size_t wheel, double moved, double time) const;
-  [[nodiscard]] bool begins_at_zero(const Raw& raw, const std::array<double, 2>& moved) const;
-  [[nodiscard]] bool is_old(const std::array<double, 2>& moved) const;
+  [[nodiscard]] bool counts_were_reset(const Raw& raw, const std::array<double, 2>& moved) const;
+  [[nodiscard]] bool is_stale(const std::array<double, 2>& moved) const;
   [[nodiscard]] Sample sample(const std::array<double, 2>& moved, double elapsed) const;
 
   Settings settings_;

@@ -52,24 +52,24 @@ ImuNode::ImuNode(const ImuConfig& config, Publisher& bus, Send send)
 
 void ImuNode::on_bytes(std::int64_t receive_utime, std::span<const std::uint8_t> bytes) {
   counters_.add("bytes", static_cast<std::int64_t>(bytes.size()));
-  if (receive_utime < received_ - kSetBack) follow_host(receive_utime);
+  if (receive_utime < received_ - kSetBack) on_clock_set_back(receive_utime);
   received_ = receive_utime;
   device_->on_bytes(receive_utime, bytes, [this](const device::ImuSample& sample) { on_sample(sample); });
   stamp_untimed(receive_utime);
-  note_refusals(receive_utime);
+  count_refusals(receive_utime);
 }
 
 /// Updates the refusals from the device's counters since the last call.
-void ImuNode::note_refusals(std::int64_t now) {
+void ImuNode::count_refusals(std::int64_t now) {
   Counters counters = device_->counters();
   std::int64_t refused = 0;
   for (const auto& [name, value] : counters.values()) {
     if (!name.starts_with("refused.")) continue;
-    for (std::int64_t k = noted_[name]; k < value; ++k, ++refused) refusals_.refused(now, name);
+    for (std::int64_t k = counted_[name]; k < value; ++k, ++refused) refusals_.refused(now, name);
   }
-  const std::int64_t frames = counters["frames"] - noted_["frames"];
+  const std::int64_t frames = counters["frames"] - counted_["frames"];
   for (std::int64_t k = refused; k < frames; ++k) refusals_.used(now);
-  noted_ = std::move(counters);
+  counted_ = std::move(counters);
 }
 
 void ImuNode::on_sample(const device::ImuSample& sample) {
@@ -165,7 +165,7 @@ void ImuNode::clock_was_set(std::int64_t by) {
   clock_begun_ = false;
 }
 
-void ImuNode::follow_host(std::int64_t receive_utime) {
+void ImuNode::on_clock_set_back(std::int64_t receive_utime) {
   start_.release([&](imu_t& message) { publish(message, receive_utime); });
   counters_.add("clock_jumps");
   clock_ = ClockOffset();
@@ -198,12 +198,12 @@ void ImuNode::tick(std::int64_t now) {
   if (now_ == 0) last_sample_ = now;
   now_ = now;
   if (link_fault_.empty()) device_->tick(now);
-  watch_line(now);
+  check_garbage(now);
   refusals_.tick(now);
 }
 
 /// More garbage than frames within a second is a fault; a single byte now and then is not.
-void ImuNode::watch_line(std::int64_t now) {
+void ImuNode::check_garbage(std::int64_t now) {
   if (std::abs(now - watched_) < kWatchPeriod) return;
   const std::int64_t bytes = counters_["bytes"];
   const std::int64_t garbage = device_->counters()["garbage_bytes"];

@@ -62,11 +62,11 @@ class ImuNode final : public Node {
   void use(const device::ImuSample& sample, HostTime at);
   HostTime to_host(std::int64_t device_time, std::int64_t receive_utime);
   void restart_clock();
-  void follow_host(std::int64_t receive_utime);
+  void on_clock_set_back(std::int64_t receive_utime);
   [[nodiscard]] std::int32_t status_of(const device::ImuSample& sample) const;
   void publish(imu_t& message, std::int64_t now);
-  void watch_line(std::int64_t now);
-  void note_refusals(std::int64_t now);
+  void check_garbage(std::int64_t now);
+  void count_refusals(std::int64_t now);
   void report_samples(std::vector<std::string>& faults) const;
 
   ImuConfig config_;
@@ -93,7 +93,7 @@ class ImuNode final : public Node {
   std::int64_t watched_garbage_ = 0;
   bool garbled_ = false;
   RefusalShare refusals_;
-  Counters noted_;  // the device's counters when refusals_ was last updated
+  Counters counted_;  // the device's counters when refusals_ was last updated
   bool self_test_failed_ = false;
   ClipWatch clips_;
   Plausibility plausibility_;

@@ -24,7 +24,7 @@ DriverCapture::DriverCapture(const LidarConfig& config, bool repeat)
 
 void DriverCapture::advance() {
   packet_ = next_in_file();
-  if (!packet_ && repeat_) begin_anew();
+  if (!packet_ && repeat_) restart_file();
   if (!packet_) return;
   if (repeats_ == 0) {
     first_ = std::min(first_, packet_->received);
@@ -63,7 +63,7 @@ std::optional<DriverCapture::Packet> DriverCapture::next_in_file() {
   return std::nullopt;
 }
 
-void DriverCapture::begin_anew() {
+void DriverCapture::restart_file() {
   const std::int64_t length = last_ - first_;
   constexpr std::int64_t kShortest = 1000;  // us, for a file with one packet
   shift_ += std::max(kShortest, length + (count_ > 1 ? length / (count_ - 1) : 0));

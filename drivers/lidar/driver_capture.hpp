@@ -40,7 +40,7 @@ class DriverCapture {
   [[nodiscard]] bool is_for_us(const Packet& packet) const;
   [[nodiscard]] bool is_own(const Packet& packet) const;
   [[nodiscard]] std::optional<Packet> next_in_file();
-  void begin_anew();
+  void restart_file();
   void shift_packet();
   [[noreturn]] void fail_empty() const;
 

@@ -88,7 +88,7 @@ void LidarNode::on_packet(std::int64_t received, int port, std::span<const std::
     share_.used(now_);
   } else {
     if (is_the_devices(refusal)) order_.refused();
-    if (refusal == Refusal::kLate) lost_.take_back();
+    if (refusal == Refusal::kLate) lost_.subtract_late();
     refuse(decoding::counter_of(refusal), remedy(refusal, model_->table()));
   }
   send_ready();
@@ -134,13 +134,13 @@ Refusal LidarNode::on_points(std::int64_t received, std::span<const std::uint8_t
   if (refusal != Refusal::kNone) return refusal;
   for (int i = order_.discarded(); i > 0; --i)
     refuse(decoding::counter_of(Refusal::kStamp), remedy(Refusal::kStamp, model_->table()));
-  if (order_.began_anew()) clock_.restart();
-  if (!host_is_right_) host_is_right_ = host_clock_();
+  if (order_.restarted()) clock_.restart();
+  if (!host_is_synchronised_) host_is_synchronised_ = host_clock_();
   decoding::PendingPacket& packet = order_.taken();
   const decoding::PacketClock::Time time = clock_.time_of(
-      packet.points.stamp, received, microseconds(packet.points.duration), *host_is_right_, order_.in_order());
+      packet.points.stamp, received, microseconds(packet.points.duration), *host_is_synchronised_, order_.in_order());
   packet.utime = time.utime;
-  packet.even = time.even;
+  packet.host_utime = time.host_utime;
   return Refusal::kNone;
 }
 
@@ -152,10 +152,10 @@ void LidarNode::send(decoding::PendingPacket& packet) {
   decoding::DecodedPacket& points = packet.points;
   const double blind = (360.0 - model_->facts().field_of_view) * 100.0;
   const decoding::HeadTracker::Step step =
-      head_.follow({packet.even, points.azimuth, points.rate, points.duration}, blind);
+      head_.follow({packet.host_utime, points.azimuth, points.rate, points.duration}, blind);
   if (step.duplicate || step.late) {
     const Refusal refusal = step.duplicate ? Refusal::kDuplicate : Refusal::kLate;
-    if (step.late) lost_.take_back();
+    if (step.late) lost_.subtract_late();
     refuse(decoding::counter_of(refusal), remedy(refusal, model_->table()));
     return;
   }
@@ -223,13 +223,13 @@ void LidarNode::tick(std::int64_t now) {
   health_.tick(now);
   share_.tick(now);
   // Held packets wait for their successors. If none arrives any more, they are released.
-  if (!std::exchange(came_since_tick_, false) && order_.holds()) {
+  if (!std::exchange(came_since_tick_, false) && order_.has_held()) {
     order_.flush();
     send_ready();
   }
   if (now - second_began_ < kSecond && now >= second_began_) return;
   second_began_ = now;
-  host_is_right_ = host_clock_();
+  host_is_synchronised_ = host_clock_();
   lost_in_second_ = lost_.total() - std::exchange(lost_before_second_, lost_.total());
 }
 
@@ -249,7 +249,7 @@ NodeReport LidarNode::report() const {
   report.counters.set("clock.switches", clock_.switches());
   report.counters.set("clock.jumps", order_.jumps());
   if (const auto difference = clock_.difference()) set_level(report.counters, "clock.difference_us", *difference);
-  if (host_is_right_) set_level(report.counters, "clock.host_synchronised", *host_is_right_ ? 1 : 0);
+  if (host_is_synchronised_) set_level(report.counters, "clock.host_synchronised", *host_is_synchronised_ ? 1 : 0);
   if (model_) {
     for (const auto& [name, value] : model_->facts().values.values()) report.counters.set(name, value);
   }

@@ -102,7 +102,7 @@ class LidarNode final : public Node {
   LatencyWindow latency_;
   lidar_points_t message_{};
 
-  std::optional<bool> host_is_right_;
+  std::optional<bool> host_is_synchronised_;
   std::int64_t now_ = 0;  ///< us, of the last tick
   std::int64_t second_began_ = 0;
   std::int64_t lost_before_second_ = 0;

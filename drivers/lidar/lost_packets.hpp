@@ -16,7 +16,7 @@ class LostPackets {
     settle(now);
   }
   /// One of the latest missing packets arrived late.
-  void take_back() {
+  void subtract_late() {
     if (!recent_.empty() && --recent_.back().packets == 0) recent_.pop_back();
   }
   void settle(std::int64_t now) {

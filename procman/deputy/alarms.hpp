@@ -29,12 +29,12 @@ class Alarms {
     double seconds = 0;
     std::int64_t at = 0;
   };
-  struct Past {
+  struct History {
     std::vector<std::int64_t> deaths;  // us
     std::string how;                   // of the latest death
     Silence silence;
   };
-  std::map<std::string, Past> past_;
+  std::map<std::string, History> history_;
 };
 
 }  // namespace curbstone::procman::deputy

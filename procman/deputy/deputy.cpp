@@ -129,7 +129,7 @@ void Deputy::apply(const procman_lcm::cmd_desired_t& order) {
     state = supervisor_.find(command->id);
   }
   std::int32_t& runid = runids_[command->id];
-  supervisor_.want(command->id, order.force_quit == 0);
+  supervisor_.set_wanted(command->id, order.force_quit == 0);
   switch (decide(state->pid != 0, runid, order.desired_runid, order.force_quit != 0)) {
     case OrderStep::kStart:
       runid = order.desired_runid;

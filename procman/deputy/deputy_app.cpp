@@ -155,8 +155,8 @@ void DeputyApp::tick() {
   if (!deputy_->conflict().empty()) loop_.stop();
   if (deputy_->active() && !begun_) begin();
   if (starting_ && starting_->step(now)) starting_.reset();
-  replace_silent(now);
-  look_at_host(now);
+  replace_hung(now);
+  run_doctor(now);
   if (script_ && !script_->done()) {
     script_->step(now);
     if (script_->done()) say(fmt::format("script \"{}\" is done", options_.script));
@@ -173,13 +173,13 @@ void DeputyApp::tick() {
 void DeputyApp::on_status(const service_status_t& status) {
   if (status.host != host_name() || std::abs(wall_clock() - std::max<std::int64_t>(status.utime, 0)) > kOldStatus)
     return;
-  if (status.service == "deputy:" + options_.id) heartbeats_.hear_itself(steady_clock());
-  heartbeats_.hear(status.service, status.fault.empty(), steady_clock());
+  if (status.service == "deputy:" + options_.id) heartbeats_.on_own_status(steady_clock());
+  heartbeats_.on_status(status.service, status.fault.empty(), steady_clock());
 }
 
-void DeputyApp::replace_silent(std::int64_t now) {
+void DeputyApp::replace_hung(std::int64_t now) {
   if (stopping_) return;
-  for (const std::string& id : heartbeats_.take_silent(now)) {
+  for (const std::string& id : heartbeats_.take_timed_out(now)) {
     const process::CommandState* state = supervisor_.find(id);
     if (state == nullptr || state->pid == 0 || state->stopping) continue;
     const double seconds = state->command.heartbeat;
@@ -189,7 +189,7 @@ void DeputyApp::replace_silent(std::int64_t now) {
   }
 }
 
-void DeputyApp::look_at_host(std::int64_t now) {
+void DeputyApp::run_doctor(std::int64_t now) {
   if (doctor_done_) doctor_.reset();
   doctor_done_ = false;
   if (doctor_due_ == 0 || now < doctor_due_ || stopping_ || doctor_) return;
@@ -225,9 +225,9 @@ void DeputyApp::publish_status(std::int64_t now) {
   set_level(report.counters, "commands.running", running);
   report.counters.set("output.unwritten", keeper_.write_failures());
   report.faults = alarms_.faults(supervisor_.commands(), now);
-  if (heartbeats_.is_deaf(now))
+  if (heartbeats_.is_bus_silent(now))
     report.faults.emplace_back("the bus carries nothing: curbstone doctor finds the reason");
-  for (const auto& [id, seconds] : heartbeats_.quiet(now)) {
+  for (const auto& [id, seconds] : heartbeats_.overdue(now)) {
     if (const process::CommandState* state = supervisor_.find(id); state == nullptr || state->stopping) continue;
     report.faults.push_back(
         fmt::format("{} has said nothing for {:.0f} s: it is stopped, hangs, or gets no CPU", id, seconds));
@@ -245,7 +245,7 @@ bool DeputyApp::is_up(const std::string& id) const {
 /// Whether a script's wait is over. "running" means, as in procman, that the deputy has done what it could: a script
 /// does not hang on a program that cannot start. A watched command must also have sent a status: before that it
 /// receives nothing either.
-bool DeputyApp::has_come_to(const std::string& id, config::WaitStatus wanted) const {
+bool DeputyApp::has_reached(const std::string& id, config::WaitStatus wanted) const {
   const process::CommandState* state = supervisor_.find(id);
   if (state == nullptr || (state->pid == 0 && state->respawn_at == 0)) return true;
   if (wanted == config::WaitStatus::kReady) return state->pid != 0 && heartbeats_.ready(id);
@@ -266,16 +266,16 @@ void DeputyApp::begin() {
     }
   }
   if (options_.start_all) {
-    starting_.emplace(config_.stages(), StartSequence::Hands{[this](const std::string& id) { deputy_->start(id); },
-                                                             [this](const std::string& id) { return is_up(id); }});
+    starting_.emplace(config_.stages(), StartSequence::Callbacks{[this](const std::string& id) { deputy_->start(id); },
+                                                                 [this](const std::string& id) { return is_up(id); }});
   }
   if (!options_.script.empty()) {
     script_.emplace(config_, options_.script,
-                    ScriptRunner::Hands{
+                    ScriptRunner::Callbacks{
                         [this](const std::string& id) { deputy_->start(id); },
                         [this](const std::string& id) { supervisor_.stop(id); },
                         [this](const std::string& id) { supervisor_.restart(id); },
-                        [this](const std::string& id, config::WaitStatus wanted) { return has_come_to(id, wanted); }});
+                        [this](const std::string& id, config::WaitStatus wanted) { return has_reached(id, wanted); }});
   }
 }
 
@@ -283,7 +283,7 @@ void DeputyApp::on_started(const process::CommandState& state) {
   deputy_->changed();
   heartbeats_.begin(state.command.id, state.command.heartbeat, steady_clock());
   keeper_.note(state.command.id, fmt::format("-- started, pid {}", state.pid));
-  if (short_lives_[state.command.id] < kCrashLoop) say(fmt::format("{} started, pid {}", state.command.id, state.pid));
+  if (short_runs_[state.command.id] < kCrashLoop) say(fmt::format("{} started, pid {}", state.command.id, state.pid));
 }
 
 void DeputyApp::on_ended(const process::CommandState& state, std::int64_t lived) {
@@ -300,18 +300,18 @@ void DeputyApp::on_ended(const process::CommandState& state, std::int64_t lived)
   heartbeats_.end(id);
   alarms_.ended(state, how, steady_clock());
 
-  int& short_lives = short_lives_[id];
-  short_lives = lived < kShortLife && state.respawn_at != 0 ? short_lives + 1 : 0;
-  if (short_lives < kCrashLoop) {
+  int& short_runs = short_runs_[id];
+  short_runs = lived < kShortLife && state.respawn_at != 0 ? short_runs + 1 : 0;
+  if (short_runs < kCrashLoop) {
     std::string what = fmt::format("{} ended: {}", id, how);
     if (state.killed)
       what += fmt::format("; it was killed: it did not stop within {} s", state.command.stop_time_allowed);
     if (state.refused) what += "; wrong configuration or options: it is not started again until ordered";
     say(what);
-  } else if (short_lives == kCrashLoop || short_lives % 60 == 0) {
-    say(fmt::format("{} keeps dying: {} times in a row within a second ({})", id, short_lives, how));
+  } else if (short_runs == kCrashLoop || short_runs % 60 == 0) {
+    say(fmt::format("{} keeps dying: {} times in a row within a second ({})", id, short_runs, how));
   }
-  if (!state.stopping && state.exit_status != 0 && short_lives <= kCrashLoop) show_last_lines(id);
+  if (!state.stopping && state.exit_status != 0 && short_runs <= kCrashLoop) show_last_lines(id);
   if (id == options_.exit_when && !stopping_ && end_at_ == 0) {
     status_ = state.exit_status == 0 ? 0 : 1;
     end_at_ = steady_clock() + microseconds(options_.settle);

@@ -62,12 +62,12 @@ class DeputyApp {
   void tick();
   void shut_down();
   void on_status(const service_status_t& status);
-  void replace_silent(std::int64_t now);
-  void look_at_host(std::int64_t now);
+  void replace_hung(std::int64_t now);
+  void run_doctor(std::int64_t now);
   void on_findings(std::optional<std::vector<std::string>> findings);
   void publish_status(std::int64_t now);
   [[nodiscard]] bool is_up(const std::string& id) const;
-  [[nodiscard]] bool has_come_to(const std::string& id, config::WaitStatus wanted) const;
+  [[nodiscard]] bool has_reached(const std::string& id, config::WaitStatus wanted) const;
   void on_started(const process::CommandState& state);
   void on_ended(const process::CommandState& state, std::int64_t lived);
   void say(const std::string& text);
@@ -93,7 +93,7 @@ class DeputyApp {
   std::optional<StartSequence> starting_;
   std::optional<ScriptRunner> script_;
   std::optional<process::StopSequence> stopping_;
-  std::map<std::string, int> short_lives_;  // consecutive short lives, by command
+  std::map<std::string, int> short_runs_;  // consecutive short lives, by command
   bool begun_ = false;
   int status_ = 0;
   std::int64_t end_at_ = 0;      // us; 0: not yet known

@@ -17,24 +17,26 @@ class Heartbeats {
 
   /// A command was started. It counts as hung after `seconds` of silence; 0: it is not watched.
   void begin(const std::string& id, double seconds, std::int64_t now);
-  void end(const std::string& id) { lives_.erase(id); }
+  void end(const std::string& id) { watched_.erase(id); }
   /// A status of the command has arrived.
-  void hear(const std::string& id, bool faultless, std::int64_t now);
+  void on_status(const std::string& id, bool faultless, std::int64_t now);
 
   /// The deputy's own status, sent once a second, has arrived from the bus. After the first one, any time without it
   /// does not count as a command's silence: then the bus is silent, not the commands.
-  void hear_itself(std::int64_t now) { itself_ = now; }
-  [[nodiscard]] bool is_deaf(std::int64_t now) const { return itself_ != 0 && now - itself_ > kQuiet; }
+  void on_own_status(std::int64_t now) { own_status_at_ = now; }
+  [[nodiscard]] bool is_bus_silent(std::int64_t now) const {
+    return own_status_at_ != 0 && now - own_status_at_ > kOverdue;
+  }
 
   /// Ids of commands that have been silent for too long, each once per life. Call it often: time in which it was not
   /// called, because the deputy itself had no CPU, does not count as silence.
-  [[nodiscard]] std::vector<std::string> take_silent(std::int64_t now);
+  [[nodiscard]] std::vector<std::string> take_timed_out(std::int64_t now);
 
-  /// Commands that have sent a status in this life and have been silent for longer than kQuiet, with the duration in s.
-  /// They may be stopped, or get no CPU; they are left alone until take_silent() returns them. Empty while the deputy
-  /// is deaf.
-  static constexpr std::int64_t kQuiet = 2'500'000;  ///< us; statuses are sent at 1 Hz
-  [[nodiscard]] std::vector<std::pair<std::string, double>> quiet(std::int64_t now) const;
+  /// Commands that have sent a status in this life and have been silent for longer than kOverdue, with the duration in
+  /// s. They may be stopped, or get no CPU; they are left alone until take_timed_out() returns them. Empty while the
+  /// bus is silent.
+  static constexpr std::int64_t kOverdue = 2'500'000;  ///< us; statuses are sent at 1 Hz
+  [[nodiscard]] std::vector<std::pair<std::string, double>> overdue(std::int64_t now) const;
 
   /// Whether it has sent a status in this life. Always true for a command that is not watched.
   [[nodiscard]] bool alive(const std::string& id) const;
@@ -42,17 +44,17 @@ class Heartbeats {
   [[nodiscard]] bool ready(const std::string& id) const;
 
  private:
-  struct Life {
+  struct Watched {
     std::int64_t patience = 0;  // us
     std::int64_t heard = 0;     // us, of the latest status, else of the start
     bool alive = false;
     bool ready = false;
-    bool taken = false;
+    bool reported = false;
   };
-  std::map<std::string, Life> lives_;  // of commands that are watched
-  std::int64_t looked_ = 0;            // us
-  std::int64_t itself_ = 0;            // us
-  bool was_deaf_ = false;              // at the last call of take_silent()
+  std::map<std::string, Watched> watched_;  // of commands that are watched
+  std::int64_t checked_at_ = 0;             // us
+  std::int64_t own_status_at_ = 0;          // us
+  bool was_bus_silent_ = false;             // at the last call of take_timed_out()
 };
 
 }  // namespace curbstone::procman::deputy

@@ -8,8 +8,8 @@ namespace {
 constexpr std::int64_t kPause = 100'000;  // us
 }
 
-ScriptRunner::ScriptRunner(const config::Config& config, const std::string& script, Hands hands)
-    : hands_(std::move(hands)) {
+ScriptRunner::ScriptRunner(const config::Config& config, const std::string& script, Callbacks callbacks)
+    : callbacks_(std::move(callbacks)) {
   if (const config::Script* found = config.find_script(script)) flatten(config, *found);
 }
 
@@ -30,10 +30,10 @@ void ScriptRunner::flatten(const config::Config& config, const config::Script& s
 }
 
 void ScriptRunner::act(const Step& step) const {
-  const auto& hand = step.kind == config::ActionKind::kStart  ? hands_.start
-                     : step.kind == config::ActionKind::kStop ? hands_.stop
-                                                              : hands_.restart;
-  for (const std::string& id : step.ids) hand(id);
+  const auto& callback = step.kind == config::ActionKind::kStart  ? callbacks_.start
+                         : step.kind == config::ActionKind::kStop ? callbacks_.stop
+                                                                  : callbacks_.restart;
+  for (const std::string& id : step.ids) callback(id);
 }
 
 void ScriptRunner::step(std::int64_t now) {
@@ -47,7 +47,7 @@ void ScriptRunner::step(std::int64_t now) {
       if (now - since_ < step.wait_us) return;
     } else if (step.kind == config::ActionKind::kWaitStatus) {
       const bool all = std::all_of(step.ids.begin(), step.ids.end(),
-                                   [&](const std::string& id) { return hands_.satisfied(id, step.wait_for); });
+                                   [&](const std::string& id) { return callbacks_.satisfied(id, step.wait_for); });
       if (!all) return;
       must_pause_ = true;
     } else {

@@ -10,10 +10,10 @@
 namespace curbstone::procman::deputy {
 
 /// Runs one script of a config: actions in order, with waits. check_config() must have found no error in the config.
-/// Pure: time is an argument, and actions are calls of Hands.
+/// Pure: time is an argument, and actions are calls of Callbacks.
 class ScriptRunner {
  public:
-  struct Hands {
+  struct Callbacks {
     std::function<void(const std::string& id)> start;
     std::function<void(const std::string& id)> stop;
     std::function<void(const std::string& id)> restart;
@@ -21,7 +21,7 @@ class ScriptRunner {
     std::function<bool(const std::string& id, config::WaitStatus)> satisfied;
   };
 
-  ScriptRunner(const config::Config& config, const std::string& script, Hands hands);
+  ScriptRunner(const config::Config& config, const std::string& script, Callbacks callbacks);
 
   /// Does what is due at `now` (us, any origin). After a wait for a status the next action follows at least 0.1 s after
   /// the one before, as in procman's sheriff.
@@ -38,7 +38,7 @@ class ScriptRunner {
   void flatten(const config::Config& config, const config::Script& script);
   void act(const Step& step) const;
 
-  Hands hands_;
+  Callbacks callbacks_;
   std::vector<Step> steps_;
   std::size_t next_ = 0;
   bool begun_ = false;         // the next step is a wait that has begun

@@ -5,7 +5,7 @@
 namespace curbstone::procman::deputy {
 
 void StartSequence::start(const std::vector<std::string>& stage) {
-  for (auto id = stage.rbegin(); id != stage.rend(); ++id) hands_.start(*id);
+  for (auto id = stage.rbegin(); id != stage.rend(); ++id) callbacks_.start(*id);
 }
 
 bool StartSequence::step(std::int64_t now) {
@@ -17,7 +17,7 @@ bool StartSequence::step(std::int64_t now) {
     for (auto stage = std::prev(stages_.end()); stage != sources; --stage) start(*stage);
   }
   const bool up = std::all_of(std::next(sources), stages_.end(), [this](const auto& stage) {
-    return std::all_of(stage.begin(), stage.end(), hands_.is_up);
+    return std::all_of(stage.begin(), stage.end(), callbacks_.is_up);
   });
   if (!up && now - since_ < kPatience) return false;
   start(*sources);

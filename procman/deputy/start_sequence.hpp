@@ -15,15 +15,15 @@ class StartSequence {
  public:
   static constexpr std::int64_t kPatience = 5'000'000;  ///< us
 
-  struct Hands {
+  struct Callbacks {
     std::function<void(const std::string& id)> start;
     /// Whether the command has sent a status, has ended, or sends no status at all.
     std::function<bool(const std::string& id)> is_up;
   };
 
   /// `stages` in the order of the data flow.
-  StartSequence(std::vector<std::vector<std::string>> stages, Hands hands)
-      : stages_(std::move(stages)), hands_(std::move(hands)) {}
+  StartSequence(std::vector<std::vector<std::string>> stages, Callbacks callbacks)
+      : stages_(std::move(stages)), callbacks_(std::move(callbacks)) {}
 
   /// Does what is due at `now`. Returns true when all have been started.
   bool step(std::int64_t now);
@@ -32,7 +32,7 @@ class StartSequence {
   void start(const std::vector<std::string>& stage);
 
   std::vector<std::vector<std::string>> stages_;  // empty when all have been started
-  Hands hands_;
+  Callbacks callbacks_;
   bool begun_ = false;
   std::int64_t since_ = 0;
 };

@@ -20,7 +20,7 @@ void OutputQueue::add(const std::string& command_id, std::string_view bytes) {
   if (text.empty()) return;
   if (queued_ + text.size() > kMaxQueued) {
     dropped_ += static_cast<std::int64_t>(text.size());
-    dropped_unsaid_ += static_cast<std::int64_t>(text.size());
+    dropped_unreported_ += static_cast<std::int64_t>(text.size());
     return;
   }
   queued_ += text.size();
@@ -33,10 +33,11 @@ void OutputQueue::add(const std::string& command_id, std::string_view bytes) {
 
 std::optional<procman_lcm::output_t> OutputQueue::take(std::int64_t utime) {
   if (chunks_.empty()) return std::nullopt;
-  if (dropped_unsaid_ > 0) {
-    chunks_.push_front({"", "[" + std::to_string(dropped_unsaid_) + " bytes of output dropped: too much at once]\n"});
+  if (dropped_unreported_ > 0) {
+    chunks_.push_front(
+        {"", "[" + std::to_string(dropped_unreported_) + " bytes of output dropped: too much at once]\n"});
     queued_ += chunks_.front().text.size();
-    dropped_unsaid_ = 0;
+    dropped_unreported_ = 0;
   }
   procman_lcm::output_t message;
   message.utime = utime;

@@ -40,7 +40,7 @@ class OutputQueue {
   std::deque<Chunk> chunks_;
   std::size_t queued_ = 0;
   std::int64_t dropped_ = 0;
-  std::int64_t dropped_unsaid_ = 0;
+  std::int64_t dropped_unreported_ = 0;
 };
 
 }  // namespace curbstone::procman::output

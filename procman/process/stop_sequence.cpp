@@ -22,7 +22,7 @@ StopSequence::StopSequence(Supervisor& supervisor, std::vector<std::vector<std::
   if (!others.empty()) stages_.insert(stages_.begin(), others);
   // No command is respawned while the others are stopped.
   for (const CommandState* state : supervisor_.commands()) {
-    if (state->pid == 0) supervisor_.want(state->command.id, false);
+    if (state->pid == 0) supervisor_.set_wanted(state->command.id, false);
   }
 }
 

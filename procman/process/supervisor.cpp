@@ -103,11 +103,11 @@ void Supervisor::restart(const std::string& id) {
 void Supervisor::replace(const std::string& id) {
   const auto it = commands_.find(id);
   if (it == commands_.end() || it->second->state.pid == 0 || it->second->state.stopping) return;
-  begin_stop(*it->second, std::min(it->second->state.command.stop_time_allowed, kHangs));
+  begin_stop(*it->second, std::min(it->second->state.command.stop_time_allowed, kHungStopTime));
   it->second->start_at_end = true;
 }
 
-void Supervisor::want(const std::string& id, bool wanted) {
+void Supervisor::set_wanted(const std::string& id, bool wanted) {
   const auto it = commands_.find(id);
   if (it == commands_.end()) return;
   it->second->state.wanted = wanted;
@@ -225,13 +225,13 @@ void Supervisor::reap() {
   }
   for (const std::string& id : ids) {
     const auto it = commands_.find(id);
-    if (it != commands_.end()) settle(*it->second);
+    if (it != commands_.end()) end_if_all_exited(*it->second);
   }
   arm_timer();
 }
 
 /// After the first process has ended: the life is over when its descendants have ended too.
-void Supervisor::settle(Managed& managed) {
+void Supervisor::end_if_all_exited(Managed& managed) {
   if (!find_family(read_process_table(), managed.process.pid, managed.mark).empty()) {
     if (!managed.state.stopping) begin_stop(managed, managed.state.command.stop_time_allowed);
     return;
@@ -247,7 +247,8 @@ void Supervisor::end_life(Managed& managed) {
   const std::int64_t lived = now - managed.state.started;
   const std::string id = managed.state.command.id;
   const int status = managed.state.exit_status;
-  managed.state.refused = managed.state.command.heartbeat > 0 && WIFEXITED(status) && WEXITSTATUS(status) == kRefuses;
+  managed.state.refused =
+      managed.state.command.heartbeat > 0 && WIFEXITED(status) && WEXITSTATUS(status) == kExitConfigError;
   if (managed.state.refused) {
     managed.state.wanted = false;
   } else if (managed.start_at_end) {
@@ -277,7 +278,7 @@ void Supervisor::on_timer() {
       signal_family(managed, SIGKILL);
     }
     if (managed.state.pid != 0 && managed.leader_gone) {
-      settle(managed);
+      end_if_all_exited(managed);
     } else if (managed.state.pid == 0 && managed.state.respawn_at != 0 && now >= managed.state.respawn_at) {
       launch(managed);
     }

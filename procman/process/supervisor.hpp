@@ -24,7 +24,7 @@ struct CommandState {
   bool wanted = false;      ///< should be running: decides on a respawn
   bool stopping = false;
   bool killed = false;          ///< the last life needed SIGKILL
-  bool refused = false;         ///< the last life ended with kRefuses: no respawn
+  bool refused = false;         ///< the last life ended with kExitConfigError: no respawn
   std::int64_t starts = 0;      ///< number of lives so far
   std::int64_t started = 0;     ///< us of steady_clock()
   std::int64_t respawn_at = 0;  ///< us; 0: no start is pending
@@ -32,7 +32,7 @@ struct CommandState {
 
 /// Exit status of a Curbstone program whose configuration or options are wrong: it would fail again in the same way.
 /// Commands with a heartbeat are such programs.
-inline constexpr int kRefuses = 2;
+inline constexpr int kExitConfigError = 2;
 
 /// Starts, watches, respawns and stops processes. It owns all children of this process, which becomes a subreaper
 /// (prctl(2)), so that processes that a command leaves behind are stopped too. Runs in the loop's thread. Create it
@@ -65,11 +65,11 @@ class Supervisor {
   void stop(const std::string& id);
   /// Stops it if it is running, and starts it when it has ended.
   void restart(const std::string& id);
-  /// As restart(), for a command that hangs: SIGKILL follows the stop signal within kHangs at the latest.
+  /// As restart(), for a command that hangs: SIGKILL follows the stop signal within kHungStopTime at the latest.
   void replace(const std::string& id);
-  static constexpr double kHangs = 2;  ///< s
+  static constexpr double kHungStopTime = 2;  ///< s
   /// Sets whether it is respawned when it ends, without starting or stopping it now.
-  void want(const std::string& id, bool wanted);
+  void set_wanted(const std::string& id, bool wanted);
   /// Sends SIGKILL at once to everything that is running.
   void kill_all();
 
@@ -95,7 +95,7 @@ class Supervisor {
   void read_output(Managed& managed, std::size_t at_most);
   void close_terminal(Managed& managed);
   void reap();
-  void settle(Managed& managed);
+  void end_if_all_exited(Managed& managed);
   void end_life(Managed& managed);
   void on_timer();
   void arm_timer();

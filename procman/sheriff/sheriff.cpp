@@ -13,10 +13,10 @@ namespace curbstone::procman::sheriff {
 
 namespace {
 
-constexpr std::int64_t kPlayedInfo = 30'000'000;   // us
-constexpr std::int64_t kPlayedOrders = 5'000'000;  // us
+constexpr std::int64_t kMaxInfoAge = 30'000'000;   // us
+constexpr std::int64_t kMaxOrdersAge = 5'000'000;  // us
 constexpr std::int64_t kSilence = 5'000'000;       // us after which a report no longer describes the present
-constexpr std::int64_t kStands = 1'000'000;        // us that a process must live before its start counts as done
+constexpr std::int64_t kMinLife = 1'000'000;       // us that a process must live before its start counts as done
 
 /// Age of a message, us; `utime` may have any value.
 std::int64_t age_of_message(std::int64_t utime, std::int64_t now) {
@@ -36,21 +36,21 @@ bool ended_well(int status) {
 }  // namespace
 
 void Sheriff::on(const procman_lcm::deputy_info_t& info, std::int64_t now) {
-  if (age_of_message(info.utime, now) > kPlayedInfo) return;
+  if (age_of_message(info.utime, now) > kMaxInfoAge) return;
   std::erase_if(commands_, [&](const auto& entry) {
     return entry.second.deputy == info.deputy_id &&
            std::none_of(info.cmds.begin(), info.cmds.end(),
                         [&](const auto& status) { return status.cmd.command_id == entry.first; });
   });
-  for (auto& [deputies, commands] : twice_)
+  for (auto& [deputies, commands] : duplicates_)
     std::erase_if(commands, [&](const auto& seen) { return now - seen.second >= kSilence; });
-  std::erase_if(twice_, [](const auto& pair) { return pair.second.empty(); });
+  std::erase_if(duplicates_, [](const auto& pair) { return pair.second.empty(); });
   for (const auto& status : info.cmds) {
-    Known& known = commands_[status.cmd.command_id];
+    CommandInfo& known = commands_[status.cmd.command_id];
     const std::int32_t before = known.status.pid;
     const bool is_anothers = !known.deputy.empty() && known.deputy != info.deputy_id;
     if (is_anothers && now - known.reported_at < kSilence)
-      twice_[std::minmax(known.deputy, info.deputy_id)][status.cmd.command_id] = now;
+      duplicates_[std::minmax(known.deputy, info.deputy_id)][status.cmd.command_id] = now;
     if (!known.deputy.empty() && !is_anothers && status.pid != 0 && status.pid != before) ++known.restarts;
     if (status.pid != before) {
       known.heard_at = 0;
@@ -59,17 +59,17 @@ void Sheriff::on(const procman_lcm::deputy_info_t& info, std::int64_t now) {
     known.deputy = info.deputy_id;
     known.status = status;
     known.reported_at = now;
-    const auto wish = wishes_.find(status.cmd.command_id);
-    if (wish == wishes_.end()) continue;
-    if (wish->second.since == 0 || wish->second.pid != status.pid || status.actual_runid != wish->second.runid)
-      wish->second.since = now;
-    wish->second.pid = status.pid;
+    const auto request = requests_.find(status.cmd.command_id);
+    if (request == requests_.end()) continue;
+    if (request->second.since == 0 || request->second.pid != status.pid || status.actual_runid != request->second.runid)
+      request->second.since = now;
+    request->second.pid = status.pid;
   }
 }
 
 void Sheriff::on(const service_status_t& status, std::int64_t now) {
   if (status.service.starts_with("deputy:")) {
-    std::erase_if(deputies_, [&](const auto& said) { return now - said.second.at >= kSilence; });
+    std::erase_if(deputies_, [&](const auto& report) { return now - report.second.at >= kSilence; });
     deputies_[status.service] = {status.fault, now};
   }
   const auto found = commands_.find(status.service);
@@ -80,21 +80,21 @@ void Sheriff::on(const service_status_t& status, std::int64_t now) {
 
 std::vector<std::string> Sheriff::notes(std::int64_t now) const {
   std::vector<std::string> notes;
-  for (const auto& [deputies, commands] : twice_) {
+  for (const auto& [deputies, commands] : duplicates_) {
     const auto count = std::ranges::count_if(commands, [&](const auto& seen) { return now - seen.second < kSilence; });
     if (count > 0)
       notes.push_back(fmt::format("deputies {} and {} both have {} of these commands: two stacks on one bus",
                                   deputies.first, deputies.second, count));
   }
-  for (const auto& [deputy, said] : deputies_) {
-    if (now - said.at >= kSilence) continue;
-    for (const std::string& fault : said.faults) notes.push_back(fmt::format("{}: {}", deputy, fault));
+  for (const auto& [deputy, report] : deputies_) {
+    if (now - report.at >= kSilence) continue;
+    for (const std::string& fault : report.faults) notes.push_back(fmt::format("{}: {}", deputy, fault));
   }
   return notes;
 }
 
 void Sheriff::on(const procman_lcm::orders_t& orders, std::int64_t now) {
-  if (orders.sheriff_id == id_ || age_of_message(orders.utime, now) > kPlayedOrders) return;
+  if (orders.sheriff_id == id_ || age_of_message(orders.utime, now) > kMaxOrdersAge) return;
   const bool is_claim = orders.deputy_id.empty();
   if (is_claim && std::tie(orders.utime, orders.sheriff_id) > std::tie(begun_, id_)) return;
   other_ = orders.sheriff_id;
@@ -117,37 +117,37 @@ std::vector<std::string> Sheriff::resolve(const std::string& name) const {
   return ids;
 }
 
-void Sheriff::wish_run(const std::string& id) {
+void Sheriff::request_run(const std::string& id) {
   const auto found = commands_.find(id);
-  if (found != commands_.end()) wishes_[id] = {.runid = next_run(found->second.status.actual_runid)};
+  if (found != commands_.end()) requests_[id] = {.runid = next_run(found->second.status.actual_runid)};
 }
 
 void Sheriff::start(const std::string& id) {
   const auto found = commands_.find(id);
   if (found == commands_.end()) return;
-  if (found->second.status.pid == 0) return wish_run(id);
-  wishes_[id] = {.runid = found->second.status.actual_runid};
+  if (found->second.status.pid == 0) return request_run(id);
+  requests_[id] = {.runid = found->second.status.actual_runid};
 }
 
 void Sheriff::stop(const std::string& id) {
   const auto found = commands_.find(id);
-  if (found != commands_.end()) wishes_[id] = {.runid = found->second.status.actual_runid, .run = false};
+  if (found != commands_.end()) requests_[id] = {.runid = found->second.status.actual_runid, .run = false};
 }
 
 void Sheriff::restart(const std::string& id) {
-  wish_run(id);
+  request_run(id);
 }
 
 Progress Sheriff::progress(const std::string& id) const {
-  const auto wish = wishes_.find(id);
+  const auto request = requests_.find(id);
   const auto found = commands_.find(id);
-  if (wish == wishes_.end() || found == commands_.end()) return Progress::kFailed;
+  if (request == requests_.end() || found == commands_.end()) return Progress::kFailed;
   const procman_lcm::cmd_status_t& status = found->second.status;
-  if (wish->second.since == 0) return Progress::kUnderWay;  // no report since the request
-  if (!wish->second.run) return status.pid == 0 ? Progress::kDone : Progress::kUnderWay;
-  if (status.actual_runid != wish->second.runid) return Progress::kUnderWay;
-  const std::int64_t stood = found->second.reported_at - wish->second.since;
-  if (status.pid != 0) return stood >= kStands ? Progress::kDone : Progress::kUnderWay;
+  if (request->second.since == 0) return Progress::kUnderWay;  // no report since the request
+  if (!request->second.run) return status.pid == 0 ? Progress::kDone : Progress::kUnderWay;
+  if (status.actual_runid != request->second.runid) return Progress::kUnderWay;
+  const std::int64_t lived = found->second.reported_at - request->second.since;
+  if (status.pid != 0) return lived >= kMinLife ? Progress::kDone : Progress::kUnderWay;
   if (status.cmd.auto_respawn != 0) return Progress::kUnderWay;
   return ended_well(status.exit_code) ? Progress::kDone : Progress::kFailed;
 }
@@ -164,10 +164,10 @@ std::optional<procman_lcm::orders_t> Sheriff::orders(const std::string& deputy, 
     order.cmd = known.status.cmd;
     order.desired_runid = known.status.actual_runid;
     order.force_quit = 0;
-    if (const auto wish = wishes_.find(id); wish != wishes_.end()) {
+    if (const auto request = requests_.find(id); request != requests_.end()) {
       asked = true;
-      order.desired_runid = wish->second.runid;
-      order.force_quit = wish->second.run ? 0 : 1;
+      order.desired_runid = request->second.runid;
+      order.force_quit = request->second.run ? 0 : 1;
     }
     orders.cmds.push_back(std::move(order));
   }

@@ -17,7 +17,7 @@ namespace curbstone::procman::sheriff {
 enum class Progress { kUnderWay, kDone, kFailed };
 
 /// State of one command as reported.
-struct Known {
+struct CommandInfo {
   std::string deputy;
   procman_lcm::cmd_status_t status;
   int restarts = 0;              ///< new processes of the command since this sheriff started
@@ -62,7 +62,7 @@ class Sheriff {
   [[nodiscard]] procman_lcm::orders_t claim() const;
 
   /// By id.
-  [[nodiscard]] const std::map<std::string, Known>& commands() const { return commands_; }
+  [[nodiscard]] const std::map<std::string, CommandInfo>& commands() const { return commands_; }
   /// Faults that no command reports itself, one line each: the deputies' own faults (a command that hangs, or whose
   /// configuration is wrong), and the number of commands that two deputies run under the same ids.
   [[nodiscard]] std::vector<std::string> notes(std::int64_t now) const;
@@ -70,15 +70,15 @@ class Sheriff {
   [[nodiscard]] const std::string& other() const { return other_; }
 
  private:
-  struct Wish {
+  struct Request {
     std::int32_t runid = 0;
     bool run = true;
     std::int32_t pid = 0;    // of the latest report
     std::int64_t since = 0;  // us, since when it has had this pid in the requested run
   };
-  void wish_run(const std::string& id);
+  void request_run(const std::string& id);
 
-  struct Said {
+  struct DeputyFaults {
     std::vector<std::string> faults;
     std::int64_t at = 0;  // us
   };
@@ -86,11 +86,11 @@ class Sheriff {
   std::string id_;
   std::int64_t begun_;
   std::string other_;
-  std::map<std::string, Known> commands_;
-  std::map<std::string, Said> deputies_;  // by service: "deputy:ID"
+  std::map<std::string, CommandInfo> commands_;
+  std::map<std::string, DeputyFaults> deputies_;  // by service: "deputy:ID"
   std::map<std::pair<std::string, std::string>, std::map<std::string, std::int64_t>>
-      twice_;  // by two deputies: commands of both, and when they were seen last, us
-  std::map<std::string, Wish> wishes_;
+      duplicates_;  // by two deputies: commands of both, and when they were seen last, us
+  std::map<std::string, Request> requests_;
 };
 
 /// The state in words: "running", "stopped", "failed: exit status 3", "failed: Segmentation fault".

@@ -12,7 +12,7 @@ namespace curbstone::procman::sheriff {
 
 /// A line of titles and one per command: state, CPU (% of the whole machine), memory (MB), restarts, ready, age of its
 /// SERVICE_STATUS, faults.
-[[nodiscard]] std::vector<std::string> status_table(const std::map<std::string, Known>& commands, std::int64_t now,
-                                                    const TextStyle& style = {});
+[[nodiscard]] std::vector<std::string> status_table(const std::map<std::string, CommandInfo>& commands,
+                                                    std::int64_t now, const TextStyle& style = {});
 
 }  // namespace curbstone::procman::sheriff

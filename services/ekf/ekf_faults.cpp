@@ -41,9 +41,10 @@ void describe_axes(const filter::LostAxes& axes, std::vector<std::string>& fault
   for (int axis = 0; axis < 3; ++axis) {
     if (!axes.lost(axis)) continue;
     faults.push_back(fmt::format("IMU: the gyro's {} axis is stuck at {:.4f} rad/s and not used: switch it off and on",
-                                 "xyz"[axis], axes.shown()[axis]));
+                                 "xyz"[axis], axes.measured_rate()[axis]));
   }
-  if (axes.turn_is_lost()) faults.emplace_back("no gyro about the vertical: the wheels tell how it turns, and slip");
+  if (axes.yaw_rate_unmeasured())
+    faults.emplace_back("no gyro about the vertical: the wheels tell how it turns, and slip");
 }
 
 void describe_noise(const inputs::ImuNoise& noise, const base::NoiseConfig& configured,
@@ -96,7 +97,7 @@ void describe_mounting(const mounting::MountingWatch& mounting, const VehicleCon
         "IMU: its axes are not right-handed: {}. No vehicle.imu is so: correct what the device sends",
         swapped ? "x and y are swapped" : fmt::format("{} has the wrong sign", ahead->x() > 0 ? 'y' : 'x')));
   }
-  if (const auto up = mounting.lying_gyro()) {
+  if (const auto up = mounting.wrong_gyro_up()) {
     faults.push_back(fmt::format(
         "IMU: its gyro does not turn as the wheels do, and is not used: its {} axis points up, by gravity the {}",
         axis_along(*up), axis_along(vehicle.T_base_imu().linear().transpose().col(2))));
@@ -115,10 +116,10 @@ void describe_mounting(const mounting::MountingWatch& mounting, const VehicleCon
 
 void describe_lone_samples(const inputs::LoneSamples& samples, std::vector<std::string>& faults) {
   constexpr std::size_t kMany = 20;  // per minute: a jolt or two are no fault
-  if (samples.lately() < kMany) return;
+  if (samples.rejected_last_minute() < kMany) return;
   faults.push_back(fmt::format(
       "IMU: {} samples within a minute leapt away from those before and after, and are not used: plug, cable, supply?",
-      samples.lately()));
+      samples.rejected_last_minute()));
 }
 
 void describe_accelerometer(const inputs::StuckAccelerometer& accelerometer, std::vector<std::string>& faults) {

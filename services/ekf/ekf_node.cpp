@@ -43,8 +43,8 @@ void EkfNode::tick(std::int64_t now) {
   if (!state_keeper_ || !filter_.filter().started()) return;
   if (now >= state_kept_ && now - state_kept_ < kStatePeriod) return;
   state_kept_ = now;
-  model::Belief belief = filter_.filter().axes().with_biases(filter_.filter().belief());
-  belief.utime += clock_.set_by();
+  model::Belief belief = filter_.filter().axes().with_restored_biases(filter_.filter().belief());
+  belief.utime += clock_.offset();
   state_keeper_->keep(belief);
 }
 
@@ -57,17 +57,17 @@ void EkfNode::connect(Subscriber& bus) {
 
 void EkfNode::on(const imu_t& message) {
   counters_.add("messages.imu");
-  note_sequence(imu_, message.sequence);
+  count_lost_messages(imu_, message.sequence);
   if (const char* cause = why_refused(message)) return refuse(imu_, cause);
   imu_.refused_in_a_row = 0;
   imu_.heard = message.utime;
   imu_status_ = message.status;
-  const std::int64_t set_before = clock_.set_by();
+  const std::int64_t offset_before = clock_.offset();
   const std::optional<std::int64_t> utime =
       clock_.add(inputs::RunningClock::Sensor::kImu, message.utime, message.sequence);
   if (!utime) return;
-  if (clock_.set_by() != set_before) increments_.interrupt();
-  if (clock_.set_by() > set_before) sequencer_.forget_wheels_after(*utime + inputs::RunningClock::kLeast);
+  if (clock_.offset() != offset_before) increments_.interrupt();
+  if (clock_.offset() > offset_before) sequencer_.drop_wheels_after(*utime + inputs::RunningClock::kLeast);
   base::ImuSample sample = sample_of(message);
   sample.utime = imu_stamps_.add(*utime, message.sequence);
   if (sample.utime != *utime) counters_.add("straightened.imu");
@@ -81,7 +81,7 @@ void EkfNode::on(const imu_t& message) {
 
 void EkfNode::on(const wheels_t& message) {
   counters_.add("messages.wheels");
-  note_sequence(wheels_, message.sequence);
+  count_lost_messages(wheels_, message.sequence);
   if (const char* cause = why_refused(message)) return refuse(wheels_, cause);
   wheels_.refused_in_a_row = 0;
   wheels_.heard = message.utime;
@@ -98,7 +98,7 @@ void EkfNode::on(const wheels_t& message) {
 void EkfNode::on(const map_pose_t& message) {
   counters_.add("messages.map");
   map_pose_t pose = message;
-  pose.utime -= clock_.set_by();
+  pose.utime -= clock_.offset();
   if (const std::optional<inputs::MapIncrement> increment = increments_.add(pose)) sequencer_.push(*increment);
 }
 
@@ -106,7 +106,7 @@ void EkfNode::run(bool drain) {
   while (const std::optional<inputs::Sequencer::Sample> sample = sequencer_.pop(drain)) {
     estimates_.clear();
     const auto* wheels = std::get_if<base::WheelSample>(&*sample);
-    if (wheels != nullptr && old_counts_.is_old(*wheels)) {
+    if (wheels != nullptr && old_counts_.is_stale(*wheels)) {
       counters_.add("refused.old_counts");
       continue;
     }
@@ -116,7 +116,7 @@ void EkfNode::run(bool drain) {
       counters_.add("refused.stuck.imu");
       continue;
     }
-    watch_mounting(*sample);
+    check_mounting(*sample);
     if (const auto usable = usable_of(*sample)) filter_.add(*usable, estimates_);
     for (const model::Estimate& estimate : estimates_) publish(estimate);
   }
@@ -135,7 +135,7 @@ std::optional<inputs::Sequencer::Sample> EkfNode::usable_of(const inputs::Sequen
   return imu;
 }
 
-void EkfNode::watch_mounting(const inputs::Sequencer::Sample& sample) {
+void EkfNode::check_mounting(const inputs::Sequencer::Sample& sample) {
   const auto wrong = [this] {
     return std::array{mounting_.wrong_up().has_value(), mounting_.turns_opposite(), mounting_.missing_yaw().has_value(),
                       mounting_.wrong_turn_scale().has_value(), mounting_.mirrored().has_value()};
@@ -156,7 +156,7 @@ void EkfNode::publish(const model::Estimate& estimate) {
   latency_.add(base::seconds_between(estimate.utime, sequencer_.newest()));
   last_ = estimate;
   odometry_t odometry = odometry_message(estimate);
-  odometry.utime += clock_.set_by();
+  odometry.utime += clock_.offset();
   publisher_.publish("ODOMETRY", odometry);
   sent_.keep(odometry);
   pose_t pose = pose_message(estimate);
@@ -165,7 +165,7 @@ void EkfNode::publish(const model::Estimate& estimate) {
   counters_.add("published.odometry");
 }
 
-void EkfNode::note_sequence(Input& input, std::int32_t sequence) {
+void EkfNode::count_lost_messages(Input& input, std::int32_t sequence) {
   if (input.sequence) {
     const std::int64_t step = std::int64_t{sequence} - *input.sequence;
     if (step > 1 && step < kMaxLoss) counters_.add(&input == &imu_ ? "lost.imu" : "lost.wheels", step - 1);
@@ -222,7 +222,7 @@ NodeReport EkfNode::report() const {
     faults.emplace_back("no odometry yet: waiting to stand still or to see the wheels turn");
   } else if (last_) {
     if (!last_->level) faults.emplace_back("not level yet after a start on the move: the mapper goes by LiDAR alone");
-    const bool clips = (imu_status_ & imu_t::CLIPPING) && last_->utime + clock_.set_by() - imu_.heard <= kSilence;
+    const bool clips = (imu_status_ & imu_t::CLIPPING) && last_->utime + clock_.offset() - imu_.heard <= kSilence;
     if (last_->no_imu)
       faults.emplace_back(clips ? "IMU: it clips, odometry coasts on the wheels"
                                 : "no IMU: odometry coasts on the wheels");

@@ -53,10 +53,10 @@ class EkfNode final : public Node {
   };
 
   void run(bool drain);
-  void watch_mounting(const inputs::Sequencer::Sample& sample);
+  void check_mounting(const inputs::Sequencer::Sample& sample);
   [[nodiscard]] std::optional<inputs::Sequencer::Sample> usable_of(const inputs::Sequencer::Sample& sample);
   void publish(const model::Estimate& estimate);
-  void note_sequence(Input& input, std::int32_t sequence);
+  void count_lost_messages(Input& input, std::int32_t sequence);
   void refuse(Input& input, const char* cause);
   void describe_input(const Input& input, std::vector<std::string>& faults) const;
 

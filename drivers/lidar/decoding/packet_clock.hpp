@@ -24,22 +24,22 @@ class PacketClock {
   PacketClock(ClockMode mode, std::int64_t tolerance) : mode_(mode), tolerance_(tolerance) {}
 
   struct Time {
-    std::int64_t utime = 0;  ///< of the first shot, to be published
-    std::int64_t even = 0;   ///< the same on the host's clock without jumps, for the estimation of losses
+    std::int64_t utime = 0;       ///< of the first shot, to be published
+    std::int64_t host_utime = 0;  ///< the same on the host's clock without jumps, for the estimation of losses
   };
 
   /// `stamp`: the device's time of the first shot; `received`: time of receipt; `duration`: from the first shot to the
-  /// sending of the packet. `host_is_right`: the host's clock is synchronised (NTP, PTP), so that it may judge the
-  /// device's. `in_order`: the packet arrived in its turn; otherwise its time of receipt says nothing about the clocks'
-  /// offset.
-  Time time_of(std::optional<std::int64_t> stamp, std::int64_t received, std::int64_t duration, bool host_is_right,
-               bool in_order);
+  /// sending of the packet. `host_is_synchronised`: the host's clock is synchronised (NTP, PTP), so that it may judge
+  /// the device's. `in_order`: the packet arrived in its turn; otherwise its time of receipt says nothing about the
+  /// clocks' offset.
+  Time time_of(std::optional<std::int64_t> stamp, std::int64_t received, std::int64_t duration,
+               bool host_is_synchronised, bool in_order);
 
   /// The device's clock was set, or the device was replaced: its offset is determined anew, and the next packet decides
   /// on the clock, because the loss of GPS may leave the device in the year 2000.
   void restart() {
     decided_ = false;
-    contrary_ = kRestarted;
+    contrary_count_ = kRestarted;
     forget_offset();
   }
 
@@ -68,7 +68,7 @@ class PacketClock {
   bool stamped_ = false;
   bool decided_ = false;
   bool uses_device_ = false;
-  int contrary_ = 0;
+  int contrary_count_ = 0;
   std::int64_t switches_ = 0;
 };
 

@@ -65,7 +65,7 @@ Refusal PacketOrder::fits(const Mark& before, const Mark& packet) {
 Refusal PacketOrder::take(std::int64_t received) {
   PendingPacket& packet = slots_[spare_];
   packet.received = received;
-  began_anew_ = false;
+  restarted_ = false;
   if (!packet.points.stamp) return take_without_stamp();
   stampless_ = 0;
 
@@ -73,10 +73,10 @@ Refusal PacketOrder::take(std::int64_t received) {
   const bool waiting = confirmed_ && held_count_ > 0;
   if (base_) {
     if (const Refusal why = fits(*base_, now); why != Refusal::kNone) {
-      if (const Refusal refusal = doubt(now, why); refusal != Refusal::kNone) return refusal;
+      if (const Refusal refusal = handle_misfit(now, why); refusal != Refusal::kNone) return refusal;
     } else {
-      others_ = 0;
-      if (const Refusal refusal = twice_or_late(now); refusal != Refusal::kNone) return refusal;
+      misfits_ = 0;
+      if (const Refusal refusal = duplicate_or_late(now); refusal != Refusal::kNone) return refusal;
       confirmed_ = true;
     }
   }
@@ -84,9 +84,9 @@ Refusal PacketOrder::take(std::int64_t received) {
     const double delay = static_cast<double>(received - now.stamp) - now.duration;
     confirmed_ = std::abs(delay) <= kClocksAgree;
   }
-  const long ahead = base_ && !began_anew_ ? missing(*base_, now) : 0;
+  const long ahead = base_ && !restarted_ ? missing(*base_, now) : 0;
   in_order_ = !waiting && (ahead == 0 || ahead > static_cast<long>(kMostHeld));
-  if (!base_ || began_anew_ || now.stamp > base_->stamp) base_ = now;
+  if (!base_ || restarted_ || now.stamp > base_->stamp) base_ = now;
   hold();
   return Refusal::kNone;
 }
@@ -104,35 +104,35 @@ Refusal PacketOrder::take_without_stamp() {
   return Refusal::kNone;
 }
 
-Refusal PacketOrder::doubt(const Mark& packet, Refusal why) {
-  others_ = other_ && others_ > 0 && fits(*other_, packet) == Refusal::kNone ? others_ + 1 : 1;
-  other_ = packet;
+Refusal PacketOrder::handle_misfit(const Mark& packet, Refusal why) {
+  misfits_ = misfit_ && misfits_ > 0 && fits(*misfit_, packet) == Refusal::kNone ? misfits_ + 1 : 1;
+  misfit_ = packet;
   if (!confirmed_) {
     // One of the first two is wrong. The first has not been released; the next packet decides.
     discard_held();
-    began_anew_ = true;
+    restarted_ = true;
     return Refusal::kNone;
   }
-  if (others_ < kAgreeing) {
+  if (misfits_ < kAgreeing) {
     refused();
     return why;
   }
   ++jumps_;
-  others_ = 0;
-  began_anew_ = true;
+  misfits_ = 0;
+  restarted_ = true;
   sent_.reset();
   draining_ = held_count_ > 0;
   return Refusal::kNone;
 }
 
-Refusal PacketOrder::twice_or_late(const Mark& packet) const {
+Refusal PacketOrder::duplicate_or_late(const Mark& packet) const {
   const auto same = [&](const Mark& other) {
     return packet.azimuth == other.azimuth &&
            std::abs(static_cast<double>(packet.stamp - other.stamp)) < 0.5 * packet.duration;
   };
-  bool twice = sent_ && same(*sent_);
-  for (std::size_t i = 0; i < held_count_; ++i) twice = twice || same(mark(slots_[held_[i]]));
-  if (twice) return Refusal::kDuplicate;
+  bool duplicate = sent_ && same(*sent_);
+  for (std::size_t i = 0; i < held_count_; ++i) duplicate = duplicate || same(mark(slots_[held_[i]]));
+  if (duplicate) return Refusal::kDuplicate;
   return sent_ && packet.stamp <= sent_->stamp ? Refusal::kLate : Refusal::kNone;
 }
 

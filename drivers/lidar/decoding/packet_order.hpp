@@ -13,10 +13,10 @@ namespace curbstone::lidar::decoding {
 /// A decoded packet that waits to be published.
 struct PendingPacket {
   DecodedPacket points;
-  std::int64_t received = 0;  ///< us since the Unix epoch
-  std::int64_t utime = 0;     ///< of the first shot, to be published; set by the user of PacketOrder
-  std::int64_t even = 0;      ///< the same on the host's clock without jumps
-  int refused_before = 0;     ///< refused packets of the device between the previous one and this one
+  std::int64_t received = 0;    ///< us since the Unix epoch
+  std::int64_t utime = 0;       ///< of the first shot, to be published; set by the user of PacketOrder
+  std::int64_t host_utime = 0;  ///< the same on the host's clock without jumps
+  int refused_before = 0;       ///< refused packets of the device between the previous one and this one
 };
 
 /// Puts packets in firing order, and refuses those with an implausible stamp or azimuth. Packets have no number and no
@@ -44,7 +44,7 @@ class PacketOrder {
   /// Whether that packet arrived in its turn, so that its time of receipt shows the delay.
   [[nodiscard]] bool in_order() const { return in_order_; }
   /// Whether the latest packet began a new base: what was learnt of the device's clock is no longer valid.
-  [[nodiscard]] bool began_anew() const { return began_anew_; }
+  [[nodiscard]] bool restarted() const { return restarted_; }
   /// Number of packets that were accepted and then found wrong since the last call: the first packet, if the second
   /// contradicts it.
   [[nodiscard]] int discarded();
@@ -55,7 +55,7 @@ class PacketOrder {
   [[nodiscard]] PendingPacket* next();
   /// Releases the held packets without waiting for others.
   void flush() { draining_ = held_count_ > 0; }
-  [[nodiscard]] bool holds() const { return held_count_ > 0; }
+  [[nodiscard]] bool has_held() const { return held_count_ > 0; }
 
   /// How often the device's clock (or head) was found to have moved permanently.
   [[nodiscard]] std::int64_t jumps() const { return jumps_; }
@@ -73,8 +73,8 @@ class PacketOrder {
   [[nodiscard]] static bool other_speed(const Mark& before, const Mark& packet);
   [[nodiscard]] static bool overlap(const Mark& before, const Mark& packet);
   [[nodiscard]] Refusal take_without_stamp();
-  [[nodiscard]] Refusal doubt(const Mark& packet, Refusal why);
-  [[nodiscard]] Refusal twice_or_late(const Mark& packet) const;
+  [[nodiscard]] Refusal handle_misfit(const Mark& packet, Refusal why);
+  [[nodiscard]] Refusal duplicate_or_late(const Mark& packet) const;
   [[nodiscard]] bool due(const PendingPacket& packet) const;
   [[nodiscard]] long missing(const Mark& before, const Mark& packet) const;
   void hold();
@@ -89,14 +89,14 @@ class PacketOrder {
   std::optional<Mark> base_;  ///< the newest accepted packet
   bool confirmed_ = false;    ///< a second packet fitted the first
   std::optional<Mark> sent_;
-  std::optional<Mark> other_;  ///< the newest packet that did not fit
+  std::optional<Mark> misfit_;  ///< the newest packet that did not fit
   int discarded_ = 0;
-  int others_ = 0;     ///< in a row, fitting each other
+  int misfits_ = 0;    ///< in a row, fitting each other
   int stampless_ = 0;  ///< in a row
   int refused_ = 0;    ///< packets since the latest released one
   int sent_since_refused_ = 0;
   bool draining_ = false;
-  bool began_anew_ = false;
+  bool restarted_ = false;
   bool in_order_ = true;
   std::int64_t jumps_ = 0;
 };

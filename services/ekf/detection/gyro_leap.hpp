@@ -31,8 +31,8 @@ class GyroLeap {
     known_ = std::min(known_ + 1, kIntervals);
     if (known_ < kIntervals) return {};
     const Rates before = rates(0), after = rates(kSide + 1);
-    Leap leap{after.apart - before.apart, std::sqrt((before.variance + after.variance) / kSide), after.seconds,
-              intervals_[kSide - 1].state};
+    Leap leap{after.difference - before.difference, std::sqrt((before.variance + after.variance) / kSide),
+              after.seconds, intervals_[kSide - 1].state};
     const double size = std::abs(leap.rate);
     const Interval& last = intervals_[kSide - 1];
     const Interval& first = intervals_[kSide + 1];
@@ -59,18 +59,18 @@ class GyroLeap {
     model::NavState state;
   };
   struct Rates {
-    double apart = 0.0;     // rad/s, mean of the gyro's rate minus the wheels'
-    double variance = 0.0;  // of a single interval
+    double difference = 0.0;  // rad/s, mean of the gyro's rate minus the wheels'
+    double variance = 0.0;    // of a single interval
     double seconds = 0.0;
   };
   [[nodiscard]] Rates rates(std::size_t begin) const {
     Rates rates;
     for (std::size_t i = begin; i < begin + kSide; ++i) {
-      rates.apart += (intervals_[i].by_gyro - intervals_[i].by_wheels) / kSide;
+      rates.difference += (intervals_[i].by_gyro - intervals_[i].by_wheels) / kSide;
       rates.seconds += intervals_[i].seconds;
     }
     for (std::size_t i = begin; i < begin + kSide; ++i)
-      rates.variance += std::pow(intervals_[i].by_gyro - intervals_[i].by_wheels - rates.apart, 2) / (kSide - 1);
+      rates.variance += std::pow(intervals_[i].by_gyro - intervals_[i].by_wheels - rates.difference, 2) / (kSide - 1);
     return rates;
   }
 

@@ -23,11 +23,12 @@ void GyroWatch::add(std::int64_t utime, const Eigen::Vector3d& rate, const std::
   last_ = rate;
   last_utime_ = utime;
   if (begins) {
-    for (Axis& axis : axes_) axis = {.stuck = axis.stuck, .since = utime, .moved = utime, .lived = axis.lived};
+    for (Axis& axis : axes_)
+      axis = {.stuck = axis.stuck, .since = utime, .changing_since = utime, .change_count = axis.change_count};
   } else {
     learn_steps(change);
     for (std::size_t i = 0; i < axes_.size(); ++i) judge(i, utime, change);
-    for (std::size_t i = 0; i < axes_.size(); ++i) judge_others(i, utime, change);
+    for (std::size_t i = 0; i < axes_.size(); ++i) check_pair(i, utime, change);
   }
   for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].stuck = axes_[i].stuck || stuck_by_driver[i];
 }
@@ -47,13 +48,13 @@ void GyroWatch::learn_steps(const Eigen::Vector3d& change) {
 void GyroWatch::judge(std::size_t i, std::int64_t utime, const Eigen::Vector3d& change) {
   Axis& axis = axes_[i];
   if (change[static_cast<Eigen::Index>(i)] > 0) {
-    if (axis.repeats >= kLongRun) axis.moved = utime;
-    if (axis.stuck && axis.repeats < kLongRun && utime - axis.moved >= kTrust) axis.stuck = false;
-    axis.lived = std::min(axis.lived + 1, kLived);
+    if (axis.repeats >= kLongRun) axis.changing_since = utime;
+    if (axis.stuck && axis.repeats < kLongRun && utime - axis.changing_since >= kTrust) axis.stuck = false;
+    axis.change_count = std::min(axis.change_count + 1, kMinChanges);
     axis.since = utime;
     axis.repeats = 0;
-    axis.moving = axis.alone = 0;
-    axis.shaking = 0.0;
+    axis.others_changed = axis.both_others_changed = 0;
+    axis.smaller_changes = 0.0;
     return;
   }
   double least = INFINITY;
@@ -64,40 +65,42 @@ void GyroWatch::judge(std::size_t i, std::int64_t utime, const Eigen::Vector3d& 
     most = std::max(most, change[static_cast<Eigen::Index>(k)]);
   }
   axis.repeats = std::min(axis.repeats + 1, kLongRun);
-  if (most > 0) ++axis.moving;
+  if (most > 0) ++axis.others_changed;
   if (most > 0 && least > 0) {
-    ++axis.alone;
-    axis.shaking += least;
+    ++axis.both_others_changed;
+    axis.smaller_changes += least;
   }
-  axis.stuck = axis.stuck || proven(axis, utime);
+  axis.stuck = axis.stuck || is_proven_stuck(axis, utime);
 }
 
 /// Decides, while the third axis changes, whether the two others have got stuck together.
-void GyroWatch::judge_others(std::size_t third, std::int64_t utime, const Eigen::Vector3d& change) {
+void GyroWatch::check_pair(std::size_t third, std::int64_t utime, const Eigen::Vector3d& change) {
   Axis& axis = axes_[third];
   Axis& one = axes_[(third + 1) % 3];
   Axis& other = axes_[(third + 2) % 3];
   const auto shown = [&](std::size_t i) { return std::abs(last_[static_cast<Eigen::Index>(i)]); };
   if (one.repeats == 0 || other.repeats == 0) {
-    axis.goes_on = axis.others_repeat = 0;
+    axis.changed_meanwhile = axis.others_repeat = 0;
     return;
   }
   ++axis.others_repeat;
-  if (change[static_cast<Eigen::Index>(third)] > 0) ++axis.goes_on;
+  if (change[static_cast<Eigen::Index>(third)] > 0) ++axis.changed_meanwhile;
   const bool zeros = shown((third + 1) % 3) == 0 || shown((third + 2) % 3) == 0;
   const bool fine = fine_changes_ >= kOften || (step_ > 0 && step_ <= kFine);
-  if (!fine || one.lived < kLived || other.lived < kLived || (zeros && least_ > kFine)) return;
-  const bool proven_so =
-      axis.goes_on >= kRun && static_cast<double>(axis.goes_on) >= kMostly * static_cast<double>(axis.others_repeat);
-  if (proven_so && utime - std::max(one.since, other.since) >= kPair) one.stuck = other.stuck = true;
+  if (!fine || one.change_count < kMinChanges || other.change_count < kMinChanges || (zeros && least_ > kFine)) return;
+  const bool is_proven = axis.changed_meanwhile >= kRun && static_cast<double>(axis.changed_meanwhile) >=
+                                                               kMostly * static_cast<double>(axis.others_repeat);
+  if (is_proven && utime - std::max(one.since, other.since) >= kPair) one.stuck = other.stuck = true;
 }
 
-bool GyroWatch::proven(const Axis& axis, std::int64_t utime) const {
-  if (axis.alone < kRun || static_cast<double>(axis.alone) < kMostly * static_cast<double>(axis.moving) ||
+bool GyroWatch::is_proven_stuck(const Axis& axis, std::int64_t utime) const {
+  if (axis.both_others_changed < kRun ||
+      static_cast<double>(axis.both_others_changed) < kMostly * static_cast<double>(axis.others_changed) ||
       utime - axis.since < kLeast)
     return false;
   if (fine_changes_ >= kOften) return true;
-  return step_ > 0 && utime - axis.since >= kLong && axis.shaking >= kShaking * step_ * static_cast<double>(axis.alone);
+  return step_ > 0 && utime - axis.since >= kLong &&
+         axis.smaller_changes >= kShaking * step_ * static_cast<double>(axis.both_others_changed);
 }
 
 }  // namespace curbstone::ekf::detection

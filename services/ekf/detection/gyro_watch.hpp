@@ -17,9 +17,9 @@ namespace curbstone::ekf::detection {
 /// third axis.
 ///
 /// Two axes that get stuck in the same moment are detected when the third changes for kPair, if the steps are fine and
-/// both axes have changed kLived times before, which excludes a gyro with one axis. A device with a dead zone may show
-/// zero on two axes for any time, so zeros count only if a value below kFine has been shown before. While all three
-/// axes repeat nothing is decided: the vehicle stands, or the device sends each sample twice.
+/// both axes have changed kMinChanges times before, which excludes a gyro with one axis. A device with a dead zone may
+/// show zero on two axes for any time, so zeros count only if a value below kFine has been shown before. While all
+/// three axes repeat nothing is decided: the vehicle stands, or the device sends each sample twice.
 ///
 /// The driver detects, in any gyro, an axis that shows a rate which no bias explains for 0.5 s. Its report is accepted.
 ///
@@ -31,7 +31,7 @@ class GyroWatch {
   static constexpr double kShaking = 8.0;            ///< steps
   static constexpr std::int64_t kLong = 10'000'000;  ///< us
   static constexpr std::int64_t kPair = 1'000'000;   ///< us
-  static constexpr int kLived = 100;                 ///< samples
+  static constexpr int kMinChanges = 100;            ///< samples
   static constexpr std::int64_t kTrust = 2'000'000;  ///< us of changes after which an axis is trusted again
 
   /// Adds the next sample and the axes that its driver reports as stuck. After a pause of more than a second, or where
@@ -44,20 +44,20 @@ class GyroWatch {
  private:
   struct Axis {
     bool stuck = false;
-    std::int64_t since = 0;          // us
-    int repeats = 0;                 // samples in a row
-    std::int64_t moving = 0;         // of these, samples in which another axis has changed
-    std::int64_t alone = 0;          // of these, samples in which both others have changed
-    double shaking = 0.0;            // rad/s, sum over these of the smaller change of the two
-    std::int64_t moved = 0;          // us, since when it has changed without a long run
-    int lived = 0;                   // number of changes, at most kLived
-    std::int64_t others_repeat = 0;  // samples in a row in which both others have repeated
-    std::int64_t goes_on = 0;        // of these, samples in which this axis has changed
+    std::int64_t since = 0;                // us
+    int repeats = 0;                       // samples in a row
+    std::int64_t others_changed = 0;       // of these, samples in which another axis has changed
+    std::int64_t both_others_changed = 0;  // of these, samples in which both others have changed
+    double smaller_changes = 0.0;          // rad/s, sum over these of the smaller change of the two
+    std::int64_t changing_since = 0;       // us, since when it has changed without a long run
+    int change_count = 0;                  // number of changes, at most kMinChanges
+    std::int64_t others_repeat = 0;        // samples in a row in which both others have repeated
+    std::int64_t changed_meanwhile = 0;    // of these, samples in which this axis has changed
   };
   void learn_steps(const Eigen::Vector3d& change);
   void judge(std::size_t axis, std::int64_t utime, const Eigen::Vector3d& change);
-  [[nodiscard]] bool proven(const Axis& axis, std::int64_t utime) const;
-  void judge_others(std::size_t third, std::int64_t utime, const Eigen::Vector3d& change);
+  [[nodiscard]] bool is_proven_stuck(const Axis& axis, std::int64_t utime) const;
+  void check_pair(std::size_t third, std::int64_t utime, const Eigen::Vector3d& change);
 
   std::array<Axis, 3> axes_;
   Eigen::Vector3d last_ = Eigen::Vector3d::Zero();

@@ -19,7 +19,7 @@ class LevelWatch {
     since_ = utime;
   }
   /// `sigma`: the larger one of roll and pitch, rad. Returns whether the level was lost with this call.
-  bool look(double sigma, bool standing, std::int64_t utime, const base::StartConfig& config) {
+  bool update(double sigma, bool standing, std::int64_t utime, const base::StartConfig& config) {
     if (utime < since_) begin(level_, utime);  // the clock was set back
     const bool lost = level_ && !standing && sigma > kLost * config.level_sigma;
     if (lost) begin(false, utime);

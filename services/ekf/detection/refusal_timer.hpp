@@ -12,7 +12,7 @@ namespace curbstone::ekf::detection {
 class RefusalTimer {
  public:
   /// Returns true once when the refusals have lasted for `patience` s, then restarts.
-  [[nodiscard]] bool lasts(bool refused, std::int64_t utime, double patience) {
+  [[nodiscard]] bool expired(bool refused, std::int64_t utime, double patience) {
     if (!refused) {
       since_.reset();
       return false;

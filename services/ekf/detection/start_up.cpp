@@ -34,7 +34,7 @@ WheelFit fit(const std::deque<base::WheelSample>& wheels, double radius) {
 
 }  // namespace
 
-void forget_wheel_scale(model::Belief& belief, const base::WheelsConfig& config) {
+void reset_wheel_scale(model::Belief& belief, const base::WheelsConfig& config) {
   belief.mean.wheel_scale.setZero();
   model::ErrorMatrix& P = belief.covariance;
   P.middleRows<3>(model::kWheelScale).setZero();
@@ -44,7 +44,7 @@ void forget_wheel_scale(model::Belief& belief, const base::WheelsConfig& config)
   P(model::kWheelScale + 2, model::kWheelScale + 2) = config.track_sigma * config.track_sigma;
 }
 
-void forget_accelerometer_bias(model::Belief& belief, const base::StartConfig& config) {
+void reset_accelerometer_bias(model::Belief& belief, const base::StartConfig& config) {
   belief.mean.accelerometer_bias.setZero();
   belief.covariance.middleRows<3>(model::kAccelerometerBias).setZero();
   belief.covariance.middleCols<3>(model::kAccelerometerBias).setZero();
@@ -52,7 +52,7 @@ void forget_accelerometer_bias(model::Belief& belief, const base::StartConfig& c
   belief.covariance.diagonal().segment<3>(model::kAccelerometerBias).setConstant(sigma * sigma);
 }
 
-void forget_axle(model::Belief& belief, const base::WheelsConfig& config) {
+void reset_axle(model::Belief& belief, const base::WheelsConfig& config) {
   belief.mean.axle = config.axle;
   belief.mean.course.setZero();
   belief.covariance.middleRows<3>(model::kAxle).setZero();
@@ -118,9 +118,9 @@ model::Belief StartUp::prior(std::int64_t utime, const Eigen::Vector3d& up) cons
   const Eigen::Vector3d yaw_axis = belief.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
   P.block<3, 3>(model::kAttitude, model::kAttitude) = Eigen::Matrix3d::Identity() - yaw_axis * yaw_axis.transpose();
   P.diagonal().segment<3>(model::kGyroBias).setConstant(square(config_.start.gyro_bias_sigma));
-  forget_accelerometer_bias(belief, config_.start);
-  forget_wheel_scale(belief, config_.wheels);
-  forget_axle(belief, config_.wheels);
+  reset_accelerometer_bias(belief, config_.start);
+  reset_wheel_scale(belief, config_.wheels);
+  reset_axle(belief, config_.wheels);
   return belief;
 }
 

@@ -9,11 +9,11 @@
 namespace curbstone::ekf::detection {
 
 /// Resets radii and track to the configured values, with the prior's covariance.
-void forget_wheel_scale(model::Belief& belief, const base::WheelsConfig& config);
+void reset_wheel_scale(model::Belief& belief, const base::WheelsConfig& config);
 /// Resets the axle's place and course likewise.
-void forget_axle(model::Belief& belief, const base::WheelsConfig& config);
+void reset_axle(model::Belief& belief, const base::WheelsConfig& config);
 /// Resets the accelerometer's bias likewise, to zero.
-void forget_accelerometer_bias(model::Belief& belief, const base::StartConfig& config);
+void reset_accelerometer_bias(model::Belief& belief, const base::StartConfig& config);
 
 /// Computes the first belief. At standstill the mean specific force levels the attitude, and the mean rate is the
 /// gyro's bias. Both are applied as measurements to a wide prior, so that the covariance holds that at rest a tilt

@@ -11,17 +11,17 @@ namespace curbstone::ekf::detection {
 /// intervals of the wheels. A value type; one thread.
 class TurnConfirmation {
  public:
-  static constexpr double kMostApart = 0.009;  ///< rad in that second: 0.5 deg
+  static constexpr double kMaxDifference = 0.009;  ///< rad in that second: 0.5 deg
 
   /// Adds an interval's mean yaw rates, rad/s: of the wheels, and of the gyro minus its bias.
   void add(double seconds, double by_wheels, double by_gyro) {
     open_.seconds += seconds;
-    open_.apart += seconds * (by_wheels - by_gyro);
-    if (open_.seconds < kSpan / kParts) return;
-    std::rotate(parts_.begin(), parts_.begin() + 1, parts_.end());
-    parts_.back() = open_;
+    open_.difference += seconds * (by_wheels - by_gyro);
+    if (open_.seconds < kSpan / kBins) return;
+    std::rotate(bins_.begin(), bins_.begin() + 1, bins_.end());
+    bins_.back() = open_;
     open_ = {};
-    known_ = std::min(known_ + 1, kParts);
+    known_ = std::min(known_ + 1, kBins);
   }
   /// Call it where intervals are missing.
   void interrupt() {
@@ -29,21 +29,21 @@ class TurnConfirmation {
     known_ = 0;
   }
   [[nodiscard]] bool confirmed() const {
-    double apart = open_.apart;
-    for (const Part& part : parts_) apart += part.apart;
-    return known_ == kParts && std::abs(apart) < kMostApart;
+    double difference = open_.difference;
+    for (const Bin& bin : bins_) difference += bin.difference;
+    return known_ == kBins && std::abs(difference) < kMaxDifference;
   }
 
  private:
   static constexpr double kSpan = 1.0;  // s, minimum span
-  static constexpr int kParts = 10;
-  struct Part {
+  static constexpr int kBins = 10;
+  struct Bin {
     double seconds = 0.0;
-    double apart = 0.0;  // rad, turn of the wheels minus that of the gyro
+    double difference = 0.0;  // rad, turn of the wheels minus that of the gyro
   };
-  std::array<Part, kParts> parts_{};  // newest last
+  std::array<Bin, kBins> bins_{};  // newest last
   int known_ = 0;
-  Part open_;
+  Bin open_;
 };
 
 }  // namespace curbstone::ekf::detection

@@ -46,7 +46,7 @@ model::TimedInertial Filter::in_body(const base::ImuSample& sample) const {
 }
 
 void Filter::add(const base::ImuSample& measured, std::vector<model::Estimate>& out) {
-  follow_noise(measured);
+  update_noise(measured);
   const base::ImuSample sample = axes_.add(measured);
   if (!started_) {
     start(sample);
@@ -55,18 +55,18 @@ void Filter::add(const base::ImuSample& measured, std::vector<model::Estimate>& 
   const model::TimedInertial next = in_body(sample);
   const double gap = base::seconds_between(belief_.utime, sample.utime);
   if (gap < 0.0 || gap > config_->timing.max_jump) restart_clock(sample.utime);
-  follow_axes();
+  update_stuck_axes();
   const auto& last = mechanisation_.last_imu();
   const double dt = last ? base::seconds_between(last->utime, sample.utime) : 0.0;
   if (dt > config_->timing.max_imu_gap) {
     counters_.add("gaps.imu");
     watch_.interrupt();
-    interrupt_turns();
+    reset_yaw_rate_comparison();
     leave_standing();
     still_.reset();
   }
   still_.add(sample);
-  serve_pending(&next);
+  process_pending_wheels(&next);
   mechanisation_.advance(belief_, sample.utime, &next, standing_);
   advance_launch(sample.utime, &next);
   mechanisation_.set_last_imu(next);
@@ -80,7 +80,7 @@ void Filter::add(const base::ImuSample& measured, std::vector<model::Estimate>& 
 }
 
 /// Reduces the weight of an IMU that is noisier than configured wherever it is compared with the wheels.
-void Filter::follow_noise(const base::ImuSample& sample) {
+void Filter::update_noise(const base::ImuSample& sample) {
   imu_noise_.add(sample);
   noise_ = imu_noise_.applied_to(config_->noise);
   excess_ = imu_noise_.beyond(config_->noise);
@@ -109,7 +109,7 @@ void Filter::add(const base::WheelSample& sample, std::vector<model::Estimate>& 
   pending_.push_back(sample);
   if (!mechanisation_.imu_at_hand(sample.utime)) {
     if (standing_) leave_standing();
-    serve_pending(nullptr);
+    process_pending_wheels(nullptr);
     restore_if_not_finite();
     const model::Inertial steady{
         belief_.mean.gyro_bias + Eigen::Vector3d(0, 0, mechanisation_.wheel_yaw_rate()),
@@ -121,7 +121,7 @@ void Filter::add(const base::WheelSample& sample, std::vector<model::Estimate>& 
   }
 }
 
-bool Filter::go_on(const base::ImuSample& sample) {
+bool Filter::continue_from_predecessor(const base::ImuSample& sample) {
   const std::optional<model::Belief> predecessor = std::exchange(predecessor_, std::nullopt);
   if (!predecessor) return false;
   const double gap = base::seconds_between(predecessor->utime, sample.utime);
@@ -133,7 +133,7 @@ bool Filter::go_on(const base::ImuSample& sample) {
   }
   counters_.add("starts.inherited");
   belief_ = *predecessor;
-  doubt_since_killed(belief_, gap);
+  extrapolate_over_restart(belief_, gap);
   belief_.utime = sample.utime;
   last_good_ = belief_;
   started_ = true;
@@ -144,7 +144,7 @@ bool Filter::go_on(const base::ImuSample& sample) {
 }
 
 void Filter::start(const base::ImuSample& sample) {
-  if (go_on(sample)) return;
+  if (continue_from_predecessor(sample)) return;
   const std::optional<model::Belief> first = start_up_.add(sample);
   if (!first) {
     still_.add(sample);
@@ -163,30 +163,30 @@ void Filter::update_level() {
   const Eigen::Matrix3d in_odom =
       R * belief_.covariance.block<3, 3>(model::kAttitude, model::kAttitude) * R.transpose();
   const double sigma = std::sqrt(std::max(in_odom(0, 0), in_odom(1, 1)));
-  if (level_.look(sigma, standing_, belief_.utime, config_->start)) counters_.add("level.lost");
+  if (level_.update(sigma, standing_, belief_.utime, config_->start)) counters_.add("level.lost");
 }
 
 /// Adapts the belief to gyro axes that have got stuck, or work again.
-void Filter::follow_axes() {
+void Filter::update_stuck_axes() {
   const Pose before = model::base_pose(belief_.mean, geometry_);
-  if (!axes_.follow(belief_, mechanisation_.wheel_yaw_rate(), standing_, counters_)) return;
+  if (!axes_.update(belief_, mechanisation_.wheel_yaw_rate(), standing_, counters_)) return;
   smoother_.corrected(before, model::base_pose(belief_.mean, geometry_));
   if (axes_.declared_stuck()) {  // the gyro has been wrong for long, and wheels and axle were learnt from it
-    detection::forget_wheel_scale(belief_, config_->wheels);
-    detection::forget_axle(belief_, config_->wheels);
+    detection::reset_wheel_scale(belief_, config_->wheels);
+    detection::reset_axle(belief_, config_->wheels);
   }
-  if (mechanisation_.last_imu()) mechanisation_.set_last_imu(in_body(axes_.before()));
+  if (mechanisation_.last_imu()) mechanisation_.set_last_imu(in_body(axes_.previous_sample()));
   mechanisation_.window().reset();
-  slip_.turn_is_lost(axes_.turn_is_lost());
-  slip_.acquit();
+  slip_.set_yaw_rate_unmeasured(axes_.yaw_rate_unmeasured());
+  slip_.accept_both();
   watch_.interrupt();
-  interrupt_turns();
-  forget_launch();
+  reset_yaw_rate_comparison();
+  cancel_launch();
 }
 
 void Filter::restart_clock(std::int64_t utime) {
   counters_.add("reset.clock");
-  doubt_since_gap(belief_, base::seconds_between(belief_.utime, utime), config_->start);
+  inflate_over_gap(belief_, base::seconds_between(belief_.utime, utime), config_->start);
   belief_.utime = utime;
   last_wheels_.reset();
   pending_.clear();
@@ -196,12 +196,12 @@ void Filter::restart_clock(std::int64_t utime) {
   odometer_.reset();
   mechanisation_.reset();
   slip_.reset_detector();
-  slip_.acquit();
+  slip_.accept_both();
   watch_.interrupt();
-  interrupt_turns();
+  reset_yaw_rate_comparison();
   wheels_refused_.reset();
   constraint_refused_.reset();
-  forget_launch();
+  cancel_launch();
   standing_ = false;
 }
 
@@ -216,7 +216,7 @@ void Filter::restore_if_not_finite() {
   restart_clock(utime);
 }
 
-void Filter::serve_pending(const model::TimedInertial* next) {
+void Filter::process_pending_wheels(const model::TimedInertial* next) {
   for (; !pending_.empty(); pending_.pop_front()) {
     const base::WheelSample& wheels = pending_.front();
     const WheelStep step = odometer_.add(wheels);
@@ -232,34 +232,34 @@ void Filter::serve_pending(const model::TimedInertial* next) {
 }
 
 void Filter::update_standing(const model::Inertial& imu, double dt) {
-  const bool accused = slip_.slipping(0, belief_.utime) && slip_.slipping(1, belief_.utime);
+  const bool both_slip = slip_.slipping(0, belief_.utime) && slip_.slipping(1, belief_.utime);
   if (!still_.wheels_rest()) {
     standing_motion_.begin();
-  } else if (accused || watch_.hides_motion()) {
+  } else if (both_slip || watch_.standstill_unreliable()) {
     leave_standing();
   } else if (const auto speed = standing_motion_.add(imu.acceleration, imu.angular_rate - belief_.mean.gyro_bias, dt)) {
     counters_.add("standstills.moved");
     leave_standing();
-    doubt_wheels_at_rest(belief_, *speed);
-    slip_.accuse(belief_.utime);
+    set_speed_after_missed_start(belief_, *speed);
+    slip_.reject_both(belief_.utime);
     return;
   }
-  const bool still =
-      !accused && !watch_.hides_motion() && still_.still(geometry_.R_base_imu.transpose() * belief_.mean.gyro_bias);
+  const bool still = !both_slip && !watch_.standstill_unreliable() &&
+                     still_.still(geometry_.R_base_imu.transpose() * belief_.mean.gyro_bias);
   if (still && !standing_) {
     counters_.add("standstills");
     slip_.reset_detector();
-    watch_.stand();
+    watch_.on_standstill();
     mechanisation_.window().reset();
-    forget_launch();
+    cancel_launch();
     standing_ = true;
   } else if (!still && standing_) {
     leave_standing();
-    drive_off();
+    start_launch();
   }
 }
 
-void Filter::drive_off() {
+void Filter::start_launch() {
   const auto& last = mechanisation_.last_imu();
   const bool known = last && !watch_.faulty(0) && !watch_.faulty(1) && !heading_.lost() && !axes_.any();
   if (!known) return;
@@ -271,16 +271,16 @@ void Filter::advance_launch(std::int64_t utime, const model::TimedInertial* next
   if (launch_ && !launch_->advance(utime, next)) launch_.reset();
 }
 
-void Filter::forget_launch() {
+void Filter::cancel_launch() {
   launch_.reset();
-  disowned_ = false;
+  wheels_rejected_ = false;
 }
 
 void Filter::leave_standing() {
   if (!standing_) return;
   standing_ = false;
   mechanisation_.window().reset();
-  doubt_standstill(belief_, config_->standstill.travel, geometry_.track_width);
+  inflate_after_standstill(belief_, config_->standstill.travel, geometry_.track_width);
 }
 
 bool Filter::wheels_missing(std::int64_t utime) const {
@@ -295,7 +295,7 @@ bool Filter::turn_confirmed(const model::Estimate& estimate) const {
 void Filter::emit(const model::Inertial& imu, double dt, bool no_imu, std::vector<model::Estimate>& out) {
   const double rate_sigma = no_imu ? config_->noise.coasting_rate : noise_.gyro / std::sqrt(std::max(dt, 1e-3));
   model::Estimate estimate = model::estimate_base(belief_, imu, rate_sigma, geometry_);
-  axes_.tell_biases(estimate);
+  axes_.restore_biases(estimate);
   estimate.level = level_.level();
   estimate.stationary = standing_;
   estimate.slipping = slip_.slipping(0, belief_.utime) || slip_.slipping(1, belief_.utime);
@@ -307,8 +307,8 @@ void Filter::emit(const model::Inertial& imu, double dt, bool no_imu, std::vecto
   emitted_ = estimate.utime;
   if (!standing_) smoother_.moved(estimate.T_odom_base, since * estimate.velocity.norm(), since);
   smoother_.apply(estimate);
-  if (launch_) launch_->doubt(estimate, belief_);
-  if (still_.wheels_rest()) doubt_standing(estimate, standing_motion_.suspected_speed());
+  if (launch_) launch_->inflate_covariance(estimate, belief_);
+  if (still_.wheels_rest()) inflate_for_suspected_motion(estimate, standing_motion_.suspected_speed());
   out.push_back(estimate);
 }
 

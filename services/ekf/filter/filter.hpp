@@ -71,7 +71,7 @@ class Filter {
   /// Wheels that are withheld because they have been wrong for long.
   [[nodiscard]] const wheel_faults::WheelWatch& wheel_watch() const { return watch_; }
   /// Gyro axes that are not used because they are stuck. In the belief the bias of such an axis represents the rate;
-  /// for another filter to inherit, take axes().with_biases(belief()).
+  /// for another filter to inherit, take axes().with_restored_biases(belief()).
   [[nodiscard]] const LostAxes& axes() const { return axes_; }
   struct LeaptGyro {
     std::int64_t utime = 0;  ///< us, time of detection
@@ -87,37 +87,37 @@ class Filter {
  private:
   using WheelStep = inputs::WheelOdometer::Step;
 
-  void follow_noise(const base::ImuSample& sample);
+  void update_noise(const base::ImuSample& sample);
   void start(const base::ImuSample& sample);
-  [[nodiscard]] bool go_on(const base::ImuSample& sample);
+  [[nodiscard]] bool continue_from_predecessor(const base::ImuSample& sample);
   void restart_clock(std::int64_t utime);
-  void follow_axes();
+  void update_stuck_axes();
   [[nodiscard]] model::TimedInertial in_body(const base::ImuSample& sample) const;
   void restore_if_not_finite();
 
-  void serve_pending(const model::TimedInertial* next);
+  void process_pending_wheels(const model::TimedInertial* next);
   void update_standing(const model::Inertial& imu, double dt);
   void leave_standing();
-  void drive_off();
-  void forget_launch();
+  void start_launch();
+  void cancel_launch();
   void advance_launch(std::int64_t utime, const model::TimedInertial* next);
   void update_level();
 
   void correct_with_wheels(WheelStep step, bool coasting);
   void correct_driving(const inputs::WheelInterval& interval);
-  void compare_turns(const inputs::WheelInterval& interval);
-  void follow_gyro(const detection::GyroLeap::Leap& leap);
-  void interrupt_turns();
-  void judge_launch(const inputs::WheelInterval& interval);
-  void judge_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows);
+  void compare_yaw_rates(const inputs::WheelInterval& interval);
+  void correct_gyro_leap(const detection::GyroLeap::Leap& leap);
+  void reset_yaw_rate_comparison();
+  void check_launch(const inputs::WheelInterval& interval);
+  void check_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows);
   [[nodiscard]] std::array<model::Observation, 2> observe_wheels(const inputs::WheelInterval& interval,
                                                                  const model::BodyMotion& motion) const;
   [[nodiscard]] bool gate_wheels(const inputs::WheelInterval& interval, std::array<model::Observation, 2>& rows);
-  void reset_strayed_axle();
-  [[nodiscard]] bool refutes_motion(const model::BodyMotion& motion, bool refused);
-  void forsake_made_up_wheels(const inputs::WheelInterval& interval);
-  void count_verdicts(const std::array<bool, 2>& before);
-  [[nodiscard]] wheel_faults::WheelWatch::Finding settle_dispute();
+  void reset_implausible_axle();
+  [[nodiscard]] bool is_motion_wrong(const model::BodyMotion& motion, bool refused);
+  void recover_from_made_up_wheels(const inputs::WheelInterval& interval);
+  void count_fault_changes(const std::array<bool, 2>& before);
+  [[nodiscard]] wheel_faults::WheelWatch::Finding resolve_dispute();
   [[nodiscard]] double trusted_speed(const inputs::WheelInterval& interval) const;
   void correct_coasting(const inputs::WheelInterval& interval);
   void correct_standing();
@@ -125,7 +125,7 @@ class Filter {
   void correct_with_map();
   void apply(const model::Observation& z);
   [[nodiscard]] model::Observation observe_constraint(const model::BodyMotion& motion);
-  void doubt(double speed_sigma);
+  void reset_motion(double speed_sigma);
 
   void emit(const model::Inertial& imu, double dt, bool no_imu, std::vector<model::Estimate>& out);
   [[nodiscard]] bool wheels_missing(std::int64_t utime) const;
@@ -157,7 +157,7 @@ class Filter {
   LostHeading heading_;
   detection::StandingMotion standing_motion_;
   std::optional<Launch> launch_;
-  bool disowned_ = false;  // the wheels are disowned since a launch
+  bool wheels_rejected_ = false;  // the wheels are disowned since a launch
   detection::LevelWatch level_;
   std::optional<model::Belief> predecessor_;
   model::Belief belief_;

@@ -40,9 +40,9 @@ void Filter::correct_with_wheels(WheelStep step, bool coasting) {
       const inputs::WheelInterval& interval = odometer_.interval();
       const bool covered = mechanisation_.window().duration() > 0.5 * interval.duration();
       if (covered && !coasting)
-        compare_turns(interval);
+        compare_yaw_rates(interval);
       else
-        interrupt_turns();
+        reset_yaw_rate_comparison();
       if (covered && standing_)
         correct_standing();
       else if (covered && coasting)
@@ -56,78 +56,78 @@ void Filter::correct_with_wheels(WheelStep step, bool coasting) {
   }
   slip_.reset_detector();
   watch_.interrupt();
-  interrupt_turns();
+  reset_yaw_rate_comparison();
   mechanisation_.window().reset();
   if (launch_) launch_->begin_interval();
 }
 
-void Filter::compare_turns(const inputs::WheelInterval& interval) {
+void Filter::compare_yaw_rates(const inputs::WheelInterval& interval) {
   const double by_wheels = model::wheel_yaw_rate(belief_.mean, interval.speed, geometry_);
   const double by_gyro = mechanisation_.window().motion().angular_rate.z();
   turn_.add(interval.duration(), by_wheels, by_gyro);
   if (axes_.any() || watch_.faulty(0) || watch_.faulty(1)) return gyro_leap_.interrupt();
   const auto leap = gyro_leap_.add(interval.duration(), model::wheel_yaw_rate({}, interval.speed, geometry_),
                                    mechanisation_.window().gyro().z(), belief_.mean);
-  if (leap) follow_gyro(*leap);
+  if (leap) correct_gyro_leap(*leap);
 }
 
 /// Corrects a leap of the gyro's bias: removes its effect on heading and position since then.
-void Filter::follow_gyro(const detection::GyroLeap::Leap& leap) {
+void Filter::correct_gyro_leap(const detection::GyroLeap::Leap& leap) {
   counters_.add("gyro_leaps");
   gyro_leapt_ = {belief_.utime, leap.rate};
   const Pose before = model::base_pose(belief_.mean, geometry_);
   belief_ = without_leap(belief_, leap);
   smoother_.corrected(before, model::base_pose(belief_.mean, geometry_));
   slip_.reset_detector();
-  slip_.acquit();
+  slip_.accept_both();
   watch_.interrupt();
-  interrupt_turns();
-  forget_launch();
+  reset_yaw_rate_comparison();
+  cancel_launch();
 }
 
-void Filter::interrupt_turns() {
+void Filter::reset_yaw_rate_comparison() {
   turn_.interrupt();
   gyro_leap_.interrupt();
 }
 
 /// Refuses wheels that a launch disowns until they agree or are found faulty.
-void Filter::judge_launch(const inputs::WheelInterval& interval) {
-  if (!launch_ && !disowned_) return;
+void Filter::check_launch(const inputs::WheelInterval& interval) {
+  if (!launch_ && !wheels_rejected_) return;
   std::array<double, 2> sigma{};
   for (std::size_t wheel = 0; wheel < 2; ++wheel)
     sigma[wheel] = inputs::wheel_sigma(config_->wheels, interval, geometry_.wheel_radius, wheel);
-  if (launch_ && launch_->disowns(interval, sigma)) {
+  if (launch_ && launch_->rejects_wheels(interval, sigma)) {
     counters_.add("launches.disowned");
     const Pose before = model::base_pose(belief_.mean, geometry_);
     belief_ = launch_->belief();
     mechanisation_ = launch_->mechanisation();
     smoother_.corrected(before, model::base_pose(belief_.mean, geometry_));
     slip_.reset_detector();
-    watch_.restored();
+    watch_.on_filter_restored();
     launch_.reset();
-    disowned_ = true;
-  } else if (disowned_) {
-    disowned_ = !watch_.faulty(0) && !watch_.faulty(1) &&
-                !Launch::agrees(belief_, mechanisation_.window().motion(), interval, sigma, geometry_);
+    wheels_rejected_ = true;
+  } else if (wheels_rejected_) {
+    wheels_rejected_ = !watch_.faulty(0) && !watch_.faulty(1) &&
+                       !Launch::agrees(belief_, mechanisation_.window().motion(), interval, sigma, geometry_);
   }
-  if (disowned_) slip_.accuse(interval.end);
+  if (wheels_rejected_) slip_.reject_both(interval.end);
 }
 
 /// Applies both wheels' speeds and the non-holonomic constraint in one update.
 void Filter::correct_driving(const inputs::WheelInterval& interval) {
-  judge_launch(interval);
+  check_launch(interval);
   const model::BodyMotion motion = mechanisation_.window().motion();
   std::array<model::Observation, 2> rows = observe_wheels(interval, motion);
-  judge_wheels(interval, rows);
-  if (axes_.turn_is_lost() && (watch_.faulty(0) || watch_.faulty(1))) heading_.lose();
-  heading_.drive(belief_, motion.velocity.x() * interval.duration());
+  check_wheels(interval, rows);
+  if (axes_.yaw_rate_unmeasured() && (watch_.faulty(0) || watch_.faulty(1))) heading_.lose();
+  heading_.propagate(belief_, motion.velocity.x() * interval.duration());
   const bool refused = gate_wheels(interval, rows);
   apply(model::stack(model::stack(rows[0], rows[1]), observe_constraint(motion)));
-  reset_strayed_axle();
-  if (refutes_motion(motion, refused)) {
-    doubt(trusted_speed(interval) - motion.velocity.x());
-    detection::forget_wheel_scale(belief_, config_->wheels);
-    slip_.acquit();
+  reset_implausible_axle();
+  if (is_motion_wrong(motion, refused)) {
+    reset_motion(trusted_speed(interval) - motion.velocity.x());
+    detection::reset_wheel_scale(belief_, config_->wheels);
+    slip_.accept_both();
   }
 }
 
@@ -152,45 +152,46 @@ bool Filter::gate_wheels(const inputs::WheelInterval& interval, std::array<model
     if (faulty) counters_.add(wheel == 0 ? "withheld.wheel_left" : "withheld.wheel_right");
     if (faulty || slipping)
       rows[wheel] = no_observation();
-    else if (!model::soften_beyond(model::kGate1, belief_, rows[wheel]))
+    else if (!model::inflate_noise_beyond(model::kGate1, belief_, rows[wheel]))
       counters_.add(wheel == 0 ? "gated.wheel_left" : "gated.wheel_right");
   }
   return refused;
 }
 
-void Filter::reset_strayed_axle() {
-  const bool strayed =
+void Filter::reset_implausible_axle() {
+  const bool implausible =
       std::abs(belief_.mean.axle - config_->wheels.axle) > kMaxAxleError * config_->wheels.axle_sigma ||
       belief_.mean.course.cwiseAbs().maxCoeff() > kMaxAxleError * config_->wheels.course_sigma;
-  if (!strayed) return;
+  if (!implausible) return;
   counters_.add("reset.axle");
-  detection::forget_axle(belief_, config_->wheels);
+  detection::reset_axle(belief_, config_->wheels);
 }
 
 /// Whether the filter's motion is wrong: the wheels have been refused for long and are not at fault, or the speed is
 /// beyond any vehicle's. Wheels that are refused as soon as the filter is level are not at fault: it was levelled
 /// wrong.
-bool Filter::refutes_motion(const model::BodyMotion& motion, bool refused) {
+bool Filter::is_motion_wrong(const model::BodyMotion& motion, bool refused) {
   const bool fresh = level_.is_fresh(belief_.utime);
-  const bool disputed = wheels_refused_.lasts(refused, belief_.utime, fresh ? kFreshDispute : config_->slip.patience);
+  const bool disputed = wheels_refused_.expired(refused, belief_.utime, fresh ? kFreshDispute : config_->slip.patience);
   const bool absurd = motion.velocity.norm() > config_->wheels.max_speed;
-  const bool doubted = disputed && (fresh || settle_dispute() == wheel_faults::WheelWatch::Finding::kFilter);
+  const bool doubted = disputed && (fresh || resolve_dispute() == wheel_faults::WheelWatch::Finding::kFilterWrong);
   return doubted || absurd;
 }
 
 /// Decides which wheels slip, and which are faulty.
-void Filter::judge_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows) {
+void Filter::check_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows) {
   const std::array<bool, 2> before = {watch_.faulty(0), watch_.faulty(1)};
   if (watch_.finds_made_up(interval, mechanisation_.window().inertial_speed(), excess_.accelerometer)) {
-    count_verdicts(before);
-    forsake_made_up_wheels(interval);
+    count_fault_changes(before);
+    recover_from_made_up_wheels(interval);
   }
   if (!level_.level()) {  // a tilted filter takes the wheels for slipping whenever the vehicle accelerates
     slip_.reset_detector();
     watch_.interrupt();
     return;
   }
-  const std::array<double, 2> distances = {model::distance(belief_, rows[0]), model::distance(belief_, rows[1])};
+  const std::array<double, 2> distances = {model::squared_mahalanobis(belief_, rows[0]),
+                                           model::squared_mahalanobis(belief_, rows[1])};
   const std::array<bool, 2> faulty = {watch_.faulty(0), watch_.faulty(1)};
   slip_.judge(interval, distances, faulty, belief_.mean, mechanisation_.window(), counters_);
   wheel_faults::WheelLook look;
@@ -206,20 +207,21 @@ void Filter::judge_wheels(const inputs::WheelInterval& interval, const std::arra
     look.refused[wheel] = slip_.slipping(wheel, interval.end);
   }
   watch_.add(look);
-  count_verdicts(faulty);
+  count_fault_changes(faulty);
 }
 
 /// The filter may have followed made-up wheels, or doubted itself because of them. The speed is set to their earlier
 /// speed plus the change that the IMU has measured since.
-void Filter::forsake_made_up_wheels(const inputs::WheelInterval& interval) {
+void Filter::recover_from_made_up_wheels(const inputs::WheelInterval& interval) {
   constexpr double kSeconds = 3.0;  // for which it may have followed them
   counters_.add("faults.wheels_made_up");
-  const double change = watch_.hidden_change();
+  const double change = watch_.hidden_speed_change();
   belief_.mean.velocity.x() += interval.mean_speed() + change - mechanisation_.window().motion().velocity.x();
-  doubt_astray(belief_, {.speed = 0.3, .place = kSeconds * std::abs(change), .seconds = kSeconds}, config_->start);
+  inflate_for_wheel_faults(belief_, {.speed = 0.3, .position = kSeconds * std::abs(change), .seconds = kSeconds},
+                           config_->start);
 }
 
-void Filter::count_verdicts(const std::array<bool, 2>& before) {
+void Filter::count_fault_changes(const std::array<bool, 2>& before) {
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
     if (watch_.faulty(wheel) && !before[wheel]) counters_.add(wheel == 0 ? "faults.wheel_left" : "faults.wheel_right");
     if (!watch_.faulty(wheel) && before[wheel])
@@ -227,11 +229,12 @@ void Filter::count_verdicts(const std::array<bool, 2>& before) {
   }
 }
 
-wheel_faults::WheelWatch::Finding Filter::settle_dispute() {
+wheel_faults::WheelWatch::Finding Filter::resolve_dispute() {
   const std::array<bool, 2> faulty = {watch_.faulty(0), watch_.faulty(1)};
-  const auto finding = watch_.settle();
-  count_verdicts(faulty);
-  if (finding == wheel_faults::WheelWatch::Finding::kWheels) doubt_astray(belief_, watch_.astray(), config_->start);
+  const auto finding = watch_.resolve_dispute();
+  count_fault_changes(faulty);
+  if (finding == wheel_faults::WheelWatch::Finding::kWheelsWrong)
+    inflate_for_wheel_faults(belief_, watch_.filter_error(), config_->start);
   return finding;
 }
 
@@ -239,22 +242,22 @@ model::Observation Filter::observe_constraint(const model::BodyMotion& motion) {
   const base::WheelsConfig& c = config_->wheels;
   model::Observation lateral = model::observe_no_motion_along(1, belief_.mean, motion, c.lateral_noise, geometry_);
   model::Observation vertical = model::observe_no_motion_along(2, belief_.mean, motion, c.vertical_noise, geometry_);
-  const bool lateral_fits = model::soften_beyond(model::kGate1, belief_, lateral);
-  const bool vertical_fits = model::soften_beyond(model::kGate1, belief_, vertical);
+  const bool lateral_fits = model::inflate_noise_beyond(model::kGate1, belief_, lateral);
+  const bool vertical_fits = model::inflate_noise_beyond(model::kGate1, belief_, vertical);
   if (!lateral_fits) counters_.add("gated.lateral");
   if (!vertical_fits) counters_.add("gated.vertical");
   const bool refused = !lateral_fits || !vertical_fits;
-  if (constraint_refused_.lasts(refused, belief_.utime, config_->slip.patience)) {
-    doubt(motion.velocity.tail<2>().norm());
-    detection::forget_axle(belief_, c);
+  if (constraint_refused_.expired(refused, belief_.utime, config_->slip.patience)) {
+    reset_motion(motion.velocity.tail<2>().norm());
+    detection::reset_axle(belief_, c);
   }
   return model::stack(lateral, vertical);
 }
 
-void Filter::doubt(double speed_sigma) {
+void Filter::reset_motion(double speed_sigma) {
   counters_.add("reset.doubt");
-  forget_launch();
-  doubt_motion(belief_, speed_sigma, config_->start);
+  cancel_launch();
+  inflate_motion_covariance(belief_, speed_sigma, config_->start);
 }
 
 /// Speed by the trusted wheels, m/s.
@@ -271,7 +274,7 @@ void Filter::correct_coasting(const inputs::WheelInterval& interval) {
   model::Observation constraint = observe_constraint(motion);
   constraint.H.middleCols<3>(model::kGyroBias).setZero();  // the rate comes from the wheels
   if (watch_.faulty(0) || watch_.faulty(1)) heading_.lose();
-  heading_.drive(belief_, motion.velocity.x() * interval.duration());
+  heading_.propagate(belief_, motion.velocity.x() * interval.duration());
   if (watch_.all_faulty()) return apply(constraint);
   double sigma = 0.0;
   for (std::size_t wheel = 0; wheel < 2; ++wheel)
@@ -279,7 +282,7 @@ void Filter::correct_coasting(const inputs::WheelInterval& interval) {
   if (watch_.faulty(0) || watch_.faulty(1))
     sigma = std::hypot(sigma, 0.5 * geometry_.track_width * model::Mechanisation::kUsualTurn);
   model::Observation forward = model::observe_forward_speed(belief_.mean, motion, trusted_speed(interval), sigma);
-  if (!model::soften_beyond(model::kGate1, belief_, forward)) counters_.add("gated.forward");
+  if (!model::inflate_noise_beyond(model::kGate1, belief_, forward)) counters_.add("gated.forward");
   apply(model::stack(forward, constraint));
 }
 
@@ -289,15 +292,15 @@ void Filter::correct_standing() {
   model::Observation velocity = model::observe_standing_velocity(belief_.mean, config_->standstill.speed_noise);
   model::Observation rate =
       model::observe_standing_rate(belief_.mean, window.gyro(), rate_density / std::sqrt(window.duration()));
-  if (!model::soften_beyond(model::kGate3, belief_, velocity)) counters_.add("gated.standing_velocity");
-  if (!model::soften_beyond(model::kGate3, belief_, rate)) counters_.add("gated.standing_rate");
+  if (!model::inflate_noise_beyond(model::kGate3, belief_, velocity)) counters_.add("gated.standing_velocity");
+  if (!model::inflate_noise_beyond(model::kGate3, belief_, rate)) counters_.add("gated.standing_rate");
   apply(model::stack(velocity, rate));
 }
 
 void Filter::correct_without_wheels() {
   model::MotionWindow& window = mechanisation_.window();
   if (window.duration() < config_->wheels.interval) return;
-  if (axes_.turn_is_lost()) heading_.lose();
+  if (axes_.yaw_rate_unmeasured()) heading_.lose();
   apply(observe_constraint(window.motion()));
   window.reset();
 }
@@ -312,7 +315,7 @@ void Filter::correct_with_map() {
   const model::BodyMotion mean{believed.translation() / dt, so3_log(Eigen::Quaterniond(believed.linear())) / dt};
   model::Observation z =
       model::observe_increment(increment.T_begin_end, increment.covariance, believed, dt, mean, geometry_);
-  counters_.add(model::soften_beyond(model::kGate6, belief_, z) ? "map.used" : "gated.map");
+  counters_.add(model::inflate_noise_beyond(model::kGate6, belief_, z) ? "map.used" : "gated.map");
   apply(z);
 }
 

@@ -26,7 +26,8 @@ struct Comparison {
 
 Comparison comparison(const model::Belief& belief, const model::Observation& z, double measured) {
   const double off = std::abs(z.residual[0]);
-  return {off, std::abs(measured - z.residual[0]), off / std::sqrt(std::max(model::distance(belief, z), 1e-12))};
+  return {off, std::abs(measured - z.residual[0]),
+          off / std::sqrt(std::max(model::squared_mahalanobis(belief, z), 1e-12))};
 }
 
 /// Whether the speed of the middle, which does not depend on the track width, and those of both wheels are all beyond.
@@ -70,7 +71,7 @@ void Launch::note_leap(const Speeds& now) {
   jolted_ = jolted_ || (leap > kJolt && std::abs(of_imu) > std::abs(of_wheels) + kOwn);
 }
 
-bool Launch::disowns(const inputs::WheelInterval& interval, const std::array<double, 2>& sigma) {
+bool Launch::rejects_wheels(const inputs::WheelInterval& interval, const std::array<double, 2>& sigma) {
   model::MotionWindow& window = mechanisation_.window();
   if (window.duration() <= 0.5 * interval.duration()) return false;
   const Speeds now{interval.mean_speed(), window.motion().velocity.x()};
@@ -89,12 +90,12 @@ bool Launch::agrees(const model::Belief& belief, const model::BodyMotion& motion
   return !all_beyond(kNearly, kLikely, belief, motion, interval, sigma, geometry);
 }
 
-void Launch::doubt(model::Estimate& estimate, const model::Belief& of_filter) const {
+void Launch::inflate_covariance(model::Estimate& estimate, const model::Belief& of_filter) const {
   if (!suspicious_) return;
-  const Eigen::Vector3d astray = of_filter.mean.position - belief_.mean.position;
-  const double faster = of_filter.mean.velocity.x() - belief_.mean.velocity.x();
-  estimate.pose_covariance.topLeftCorner<3, 3>() += astray * astray.transpose();
-  estimate.twist_covariance(0, 0) += faster * faster;
+  const Eigen::Vector3d position_difference = of_filter.mean.position - belief_.mean.position;
+  const double speed_difference = of_filter.mean.velocity.x() - belief_.mean.velocity.x();
+  estimate.pose_covariance.topLeftCorner<3, 3>() += position_difference * position_difference.transpose();
+  estimate.twist_covariance(0, 0) += speed_difference * speed_difference;
 }
 
 }  // namespace curbstone::ekf::filter

@@ -39,14 +39,14 @@ class Launch {
 
   /// Takes the next interval of the wheels; `sigma`: m/s, 1 sigma of their speeds. Returns whether the wheels are
   /// disowned.
-  [[nodiscard]] bool disowns(const inputs::WheelInterval& interval, const std::array<double, 2>& sigma);
+  [[nodiscard]] bool rejects_wheels(const inputs::WheelInterval& interval, const std::array<double, 2>& sigma);
   /// Begins the next interval.
   void begin_interval() { mechanisation_.window().reset(); }
   [[nodiscard]] const model::Belief& belief() const { return belief_; }
   [[nodiscard]] const model::Mechanisation& mechanisation() const { return mechanisation_; }
 
   /// Widens the published estimate while it is not decided whether the wheels are wrong.
-  void doubt(model::Estimate& estimate, const model::Belief& of_filter) const;
+  void inflate_covariance(model::Estimate& estimate, const model::Belief& of_filter) const;
 
   /// Whether disowned wheels agree again with the filter, which has not used them since.
   [[nodiscard]] static bool agrees(const model::Belief& belief, const model::BodyMotion& motion,

@@ -59,7 +59,7 @@ base::ImuSample LostAxes::add(const base::ImuSample& sample) {
   return without_lost(sample);
 }
 
-bool LostAxes::follow(model::Belief& belief, double wheel_yaw_rate, bool standing, Counters& counters) {
+bool LostAxes::update(model::Belief& belief, double wheel_yaw_rate, bool standing, Counters& counters) {
   const double dt = std::clamp(base::seconds_between(before_.utime, sample_.utime), 0.0, config_.timing.max_jump);
   bool changed = false;
   for (int axis = 0; axis < 3; ++axis) {
@@ -67,18 +67,18 @@ bool LostAxes::follow(model::Belief& belief, double wheel_yaw_rate, bool standin
     const bool stuck = watch_.stuck(axis);
     changed = changed || stuck != lost_[i];
     if (stuck && !lost_[i]) {
-      lose(axis, belief, wheel_yaw_rate);
+      mark_stuck(axis, belief, wheel_yaw_rate);
       counters.add(std::string("faults.gyro_") + "xyz"[i]);
     } else if (stuck) {
-      age(axis, belief, standing ? 0.0 : dt, dt);
+      propagate_axis(axis, belief, standing ? 0.0 : dt, dt);
     } else if (lost_[i]) {
-      regain(axis, belief);
+      restore_bias(axis, belief);
       counters.add(std::string("trusted.gyro_") + "xyz"[i]);
     } else if (watch_.since(axis) == sample_.utime) {
       bias_[i] = direction(axis).dot(belief.mean.gyro_bias);
-      astray_[i] = {};
+      error_[i] = {};
     } else if (!standing) {
-      go_astray(axis, belief, wheel_yaw_rate, dt);
+      accumulate_error(axis, belief, wheel_yaw_rate, dt);
     }
     lost_[i] = stuck;
   }
@@ -86,7 +86,7 @@ bool LostAxes::follow(model::Belief& belief, double wheel_yaw_rate, bool standin
 }
 
 /// Wheels slip now and then, and by more than their noise allows for: the attitude is widened in addition.
-void LostAxes::age(int axis, model::Belief& belief, double driving, double dt) const {
+void LostAxes::propagate_axis(int axis, model::Belief& belief, double driving, double dt) const {
   const Eigen::Vector3d d = direction(axis);
   const double share = std::exp(-dt / kMemory);
   shrink_bias(belief, d, share);
@@ -94,57 +94,57 @@ void LostAxes::age(int axis, model::Belief& belief, double driving, double dt) c
   widen(belief, model::kAttitude, std::abs(d.z()) * config_.noise.coasting_rate * std::sqrt(driving) * d);
 }
 
-void LostAxes::go_astray(int axis, const model::Belief& belief, double wheel_yaw_rate, double dt) {
+void LostAxes::accumulate_error(int axis, const model::Belief& belief, double wheel_yaw_rate, double dt) {
   const Eigen::Vector3d d = direction(axis);
-  Astray& astray = astray_[static_cast<std::size_t>(axis)];
-  astray.turn += dt * (sample_.angular_rate[axis] - d.dot(belief.mean.gyro_bias) - d.z() * wheel_yaw_rate);
-  astray.place += dt * (belief.mean.attitude * (astray.turn * d).cross(belief.mean.velocity));
+  AccumulatedError& error = error_[static_cast<std::size_t>(axis)];
+  error.angle += dt * (sample_.angular_rate[axis] - d.dot(belief.mean.gyro_bias) - d.z() * wheel_yaw_rate);
+  error.position += dt * (belief.mean.attitude * (error.angle * d).cross(belief.mean.velocity));
 }
 
-void LostAxes::lose(int axis, model::Belief& belief, double wheel_yaw_rate) {
+void LostAxes::mark_stuck(int axis, model::Belief& belief, double wheel_yaw_rate) {
   const Eigen::Vector3d d = direction(axis);
   const bool upright = std::abs(d.z()) > kUpright;
   const double seconds = base::seconds_between(watch_.since(axis), sample_.utime);
-  Astray& astray = astray_[static_cast<std::size_t>(axis)];
-  if (!upright && std::abs(astray.turn) > config_.start.moving_tilt_sigma) {  // gravity counted as acceleration
+  AccumulatedError& error = error_[static_cast<std::size_t>(axis)];
+  if (!upright && std::abs(error.angle) > config_.start.moving_tilt_sigma) {  // gravity counted as acceleration
     belief.covariance.diagonal().segment<3>(model::kVelocity).array() +=
-        std::pow(0.5 * kGravity * astray.turn * std::min(seconds, kLevelling), 2);
-    detection::forget_accelerometer_bias(belief, config_.start);
+        std::pow(0.5 * kGravity * error.angle * std::min(seconds, kLevelling), 2);
+    detection::reset_accelerometer_bias(belief, config_.start);
   }
   const bool levelled = !upright && seconds > kLevelling;  // the accelerometer has corrected most of it
-  if (levelled && std::abs(astray.turn) > config_.start.moving_tilt_sigma) {
-    astray.place *= config_.start.moving_tilt_sigma / std::abs(astray.turn);
-    astray.turn = std::copysign(config_.start.moving_tilt_sigma, astray.turn);
+  if (levelled && std::abs(error.angle) > config_.start.moving_tilt_sigma) {
+    error.position *= config_.start.moving_tilt_sigma / std::abs(error.angle);
+    error.angle = std::copysign(config_.start.moving_tilt_sigma, error.angle);
   }
-  belief.mean.attitude = (belief.mean.attitude * so3_exp(-astray.turn * d)).normalized();
-  belief.mean.position -= astray.place;
+  belief.mean.attitude = (belief.mean.attitude * so3_exp(-error.angle * d)).normalized();
+  belief.mean.position -= error.position;
   const double by_wheels = config_.noise.coasting_rate * std::sqrt(seconds);
   const double by_ground = kTilting * std::min(seconds, kMemory);
-  widen(belief, model::kAttitude, std::hypot(kUnsure * astray.turn, upright ? by_wheels : by_ground) * d);
-  widen(belief, model::kPosition, kUnsure * astray.place);
+  widen(belief, model::kAttitude, std::hypot(kUnsure * error.angle, upright ? by_wheels : by_ground) * d);
+  widen(belief, model::kPosition, kUnsure * error.position);
   set_bias(belief, d, -d.z() * wheel_yaw_rate, usual_rate(d));
-  astray = {};
+  error = {};
 }
 
-void LostAxes::regain(int axis, model::Belief& belief) const {
+void LostAxes::restore_bias(int axis, model::Belief& belief) const {
   set_bias(belief, direction(axis), bias_[static_cast<std::size_t>(axis)], config_.start.gyro_bias_sigma);
 }
 
-bool LostAxes::turn_is_lost() const {
+bool LostAxes::yaw_rate_unmeasured() const {
   for (int axis = 0; axis < 3; ++axis) {
     if (lost(axis) && std::abs(direction(axis).z()) > kUpright) return true;
   }
   return false;
 }
 
-model::Belief LostAxes::with_biases(model::Belief belief) const {
+model::Belief LostAxes::with_restored_biases(model::Belief belief) const {
   for (int axis = 0; axis < 3; ++axis) {
-    if (lost(axis)) regain(axis, belief);
+    if (lost(axis)) restore_bias(axis, belief);
   }
   return belief;
 }
 
-void LostAxes::tell_biases(model::Estimate& estimate) const {
+void LostAxes::restore_biases(model::Estimate& estimate) const {
   for (int axis = 0; axis < 3; ++axis) {
     if (lost(axis)) estimate.gyro_bias[axis] = bias_[static_cast<std::size_t>(axis)];
   }

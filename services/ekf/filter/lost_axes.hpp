@@ -31,35 +31,35 @@ class LostAxes {
   /// Updates the belief, before it is predicted with that sample, for axes that get stuck, are stuck or work again.
   /// `wheel_yaw_rate`: rad/s, from the wheels. Counts faults.gyro_* and trusted.gyro_*. Returns whether an axis got
   /// stuck or works again.
-  bool follow(model::Belief& belief, double wheel_yaw_rate, bool standing, Counters& counters);
+  bool update(model::Belief& belief, double wheel_yaw_rate, bool standing, Counters& counters);
 
   [[nodiscard]] bool lost(int axis) const { return lost_[static_cast<std::size_t>(axis)]; }
   [[nodiscard]] bool any() const { return lost(0) || lost(1) || lost(2); }
   /// An axis is stuck by the sample's `stuck` flags, not because it repeats its value.
   [[nodiscard]] bool declared_stuck() const { return sample_.stuck[0] || sample_.stuck[1] || sample_.stuck[2]; }
   /// No working axis measures the turn about the vertical.
-  [[nodiscard]] bool turn_is_lost() const;
+  [[nodiscard]] bool yaw_rate_unmeasured() const;
   /// rad/s, imu frame: the gyro's reading, stuck axes included.
-  [[nodiscard]] const Eigen::Vector3d& shown() const { return sample_.angular_rate; }
+  [[nodiscard]] const Eigen::Vector3d& measured_rate() const { return sample_.angular_rate; }
   /// The sample before the latest one, with 0 on axes that are lost now.
-  [[nodiscard]] base::ImuSample before() const { return without_lost(before_); }
+  [[nodiscard]] base::ImuSample previous_sample() const { return without_lost(before_); }
 
   /// The belief with the biases of lost axes restored, as for a gyro without lost axes.
-  [[nodiscard]] model::Belief with_biases(model::Belief belief) const;
+  [[nodiscard]] model::Belief with_restored_biases(model::Belief belief) const;
   /// Sets the estimate's biases likewise.
-  void tell_biases(model::Estimate& estimate) const;
+  void restore_biases(model::Estimate& estimate) const;
 
  private:
-  struct Astray {
-    double turn = 0.0;                                // rad, since the axis shows the same rate
-    Eigen::Vector3d place = Eigen::Vector3d::Zero();  // m, odom
+  struct AccumulatedError {
+    double angle = 0.0;                                  // rad, since the axis shows the same rate
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m, odom
   };
   [[nodiscard]] Eigen::Vector3d direction(int axis) const { return geometry_.R_base_imu.col(axis); }
   [[nodiscard]] base::ImuSample without_lost(base::ImuSample sample) const;
-  void go_astray(int axis, const model::Belief& belief, double wheel_yaw_rate, double dt);
-  void age(int axis, model::Belief& belief, double driving, double dt) const;
-  void lose(int axis, model::Belief& belief, double wheel_yaw_rate);
-  void regain(int axis, model::Belief& belief) const;
+  void accumulate_error(int axis, const model::Belief& belief, double wheel_yaw_rate, double dt);
+  void propagate_axis(int axis, model::Belief& belief, double driving, double dt) const;
+  void mark_stuck(int axis, model::Belief& belief, double wheel_yaw_rate);
+  void restore_bias(int axis, model::Belief& belief) const;
 
   base::EkfConfig config_;
   model::Geometry geometry_;
@@ -67,7 +67,7 @@ class LostAxes {
   base::ImuSample sample_, before_;
   std::array<bool, 3> lost_{};
   std::array<double, 3> bias_{};  // rad/s, from when the axis last worked
-  std::array<Astray, 3> astray_{};
+  std::array<AccumulatedError, 3> error_{};
 };
 
 }  // namespace curbstone::ekf::filter

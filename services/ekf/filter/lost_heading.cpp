@@ -34,11 +34,12 @@ void LostHeading::correct(model::Belief& belief, const model::Observation& z, co
       std::max(variance - heading_variance(belief), 0.0) * up * up.transpose();
 }
 
-void LostHeading::drive(model::Belief& belief, double way) {
+void LostHeading::propagate(model::Belief& belief, double distance) {
   if (!lost_) return;
-  const double before = astray_;
-  astray_ += 0.5 * std::min(heading_variance(belief), kMostVariance) * std::abs(way);
-  belief.covariance.diagonal().segment<2>(model::kPosition).array() += astray_ * astray_ - before * before;
+  const double before = position_sigma_;
+  position_sigma_ += 0.5 * std::min(heading_variance(belief), kMostVariance) * std::abs(distance);
+  belief.covariance.diagonal().segment<2>(model::kPosition).array() +=
+      position_sigma_ * position_sigma_ - before * before;
 }
 
 }  // namespace curbstone::ekf::filter

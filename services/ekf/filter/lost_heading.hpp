@@ -17,12 +17,12 @@ class LostHeading {
 
   /// As model::correct(), except that the heading's variance is kept.
   void correct(model::Belief& belief, const model::Observation& z, const model::Gain& gain) const;
-  /// The vehicle has driven another `way` m.
-  void drive(model::Belief& belief, double way);
+  /// The vehicle has driven another `distance` m.
+  void propagate(model::Belief& belief, double distance);
 
  private:
   bool lost_ = false;
-  double astray_ = 0.0;  // m, 1 sigma of the position error due to the heading since it was lost
+  double position_sigma_ = 0.0;  // m, 1 sigma of the position error due to the heading since it was lost
 };
 
 }  // namespace curbstone::ekf::filter

@@ -38,7 +38,7 @@ void RewindingFilter::add(const Sample& sample, std::vector<model::Estimate>& ou
     const std::int64_t age = samples_.back().first.first - key.first;
     const bool out_of_reach = age > history_ || -age > history_ + kCheckPoints;
     if (out_of_reach && std::holds_alternative<inputs::MapIncrement>(sample)) return drop("late");
-    if (out_of_reach) forget_all();
+    if (out_of_reach) clear_history();
   }
   const auto place = std::upper_bound(samples_.begin(), samples_.end(), key,
                                       [](const Key& k, const auto& entry) { return k < entry.first; });
@@ -51,14 +51,14 @@ void RewindingFilter::add(const Sample& sample, std::vector<model::Estimate>& ou
     counters_.add(std::string("rewound.") + kNames[key.second]);
     samples_.emplace(place, key, sample);
     rewind_to(key);
-    go_on_from_last_published();
+    continue_from_last_published();
   }
   publish(out);
-  forget_old();
+  drop_old_samples();
 }
 
 /// The filter restarts its clock by itself where the stamps require it.
-void RewindingFilter::forget_all() {
+void RewindingFilter::clear_history() {
   last_published_ = INT64_MIN;
   samples_.clear();
   check_points_.clear();
@@ -88,7 +88,7 @@ void RewindingFilter::rewind_to(const Key& late) {
 }
 
 /// Computes the offset from the newest of the new estimates whose time has a published pose.
-void RewindingFilter::go_on_from_last_published() {
+void RewindingFilter::continue_from_last_published() {
   const auto same_time = std::find_if(estimates_.rbegin(), estimates_.rend(),
                                       [&](const model::Estimate& e) { return published_.at(e.utime).has_value(); });
   if (same_time == estimates_.rend()) return;
@@ -123,7 +123,7 @@ void RewindingFilter::publish(std::vector<model::Estimate>& out) {
   estimates_.clear();
 }
 
-void RewindingFilter::forget_old() {
+void RewindingFilter::drop_old_samples() {
   const std::int64_t oldest = samples_.back().first.first - history_;
   while (check_points_.size() > 1 && (check_points_[1].after.first < oldest || samples_.size() > kMaxSamples)) {
     check_points_.pop_front();

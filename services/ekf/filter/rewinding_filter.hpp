@@ -47,11 +47,11 @@ class RewindingFilter {
   };
 
   [[nodiscard]] static Key key_of(const Sample& sample);
-  void forget_all();
-  void forget_old();
+  void clear_history();
+  void drop_old_samples();
   void run(const Sample& sample);
   void rewind_to(const Key& late);
-  void go_on_from_last_published();
+  void continue_from_last_published();
   void publish(std::vector<model::Estimate>& out);
 
   std::int64_t history_;  // us

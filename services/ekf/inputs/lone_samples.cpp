@@ -31,25 +31,25 @@ double change_of(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
 
 const std::vector<base::ImuSample>& LoneSamples::add(const base::ImuSample& sample) {
   passed_.clear();
-  const base::ImuSample* newest = !kept_.empty() ? &kept_.back() : last_ ? &*last_ : nullptr;
+  const base::ImuSample* newest = !held_.empty() ? &held_.back() : last_ ? &*last_ : nullptr;
   const std::int64_t gap = newest != nullptr ? sample.utime - newest->utime : kMostGap + 1;
   if (gap <= 0 && gap > -kClockSet) {  // late
     passed_.push_back(sample);
   } else if (gap <= 0 || gap > kMostGap) {  // it cannot be decided whether the held samples are isolated
-    refuse_kept();
+    reject_held();
     pass(sample);
   } else if (!leaps(*last_, sample)) {
-    refuse_kept();
+    reject_held();
     learn(*last_, sample);
     pass(sample);
-  } else if (kept_.size() < kMost) {
-    kept_.push_back(sample);
+  } else if (held_.size() < kMost) {
+    held_.push_back(sample);
   } else {
-    for (const base::ImuSample& kept : kept_) {
-      learn(*last_, kept);
-      pass(kept);
+    for (const base::ImuSample& held : held_) {
+      learn(*last_, held);
+      pass(held);
     }
-    kept_.clear();
+    held_.clear();
     learn(*last_, sample);
     pass(sample);
   }
@@ -67,18 +67,18 @@ void LoneSamples::learn(const base::ImuSample& from, const base::ImuSample& to) 
   follow(force_, kLeastForce, change_of(from.acceleration, to.acceleration), share);
 }
 
-void LoneSamples::refuse_kept() {
-  for (const base::ImuSample& kept : kept_) {
+void LoneSamples::reject_held() {
+  for (const base::ImuSample& held : held_) {
     ++refused_;
-    if (lately_.size() < kMostLately) lately_.push_back(kept.utime);
+    if (recently_rejected_.size() < kMostLately) recently_rejected_.push_back(held.utime);
   }
-  kept_.clear();
+  held_.clear();
 }
 
 void LoneSamples::pass(const base::ImuSample& sample) {
   last_ = sample;
   passed_.push_back(sample);
-  std::erase_if(lately_, [&](std::int64_t utime) { return std::abs(sample.utime - utime) > kMinute; });
+  std::erase_if(recently_rejected_, [&](std::int64_t utime) { return std::abs(sample.utime - utime) > kMinute; });
 }
 
 }  // namespace curbstone::ekf::inputs

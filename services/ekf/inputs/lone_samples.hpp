@@ -30,21 +30,21 @@ class LoneSamples {
   /// Number of isolated samples since the start.
   [[nodiscard]] std::int64_t refused() const { return refused_; }
   /// Number of isolated samples in the last minute before the newest sample.
-  [[nodiscard]] std::size_t lately() const { return lately_.size(); }
+  [[nodiscard]] std::size_t rejected_last_minute() const { return recently_rejected_.size(); }
 
  private:
   [[nodiscard]] bool leaps(const base::ImuSample& from, const base::ImuSample& to) const;
   void learn(const base::ImuSample& from, const base::ImuSample& to);
-  void refuse_kept();
+  void reject_held();
   void pass(const base::ImuSample& sample);
 
   std::optional<base::ImuSample> last_;  // latest sample that was passed on
-  std::vector<base::ImuSample> kept_;    // held: may be isolated
+  std::vector<base::ImuSample> held_;    // held: may be isolated
   std::vector<base::ImuSample> passed_;
   double turn_ = 0.0;   // (rad/s)^2, mean square change from sample to sample
   double force_ = 0.0;  // (m/s^2)^2
   std::int64_t refused_ = 0;
-  std::vector<std::int64_t> lately_;  // us, stamps
+  std::vector<std::int64_t> recently_rejected_;  // us, stamps
 };
 
 }  // namespace curbstone::ekf::inputs

@@ -34,7 +34,7 @@ void OldCounts::Renewal::add(std::int64_t utime, double new_angle) {
   repeated = false;
 }
 
-bool OldCounts::is_old(const base::WheelSample& sample) {
+bool OldCounts::is_stale(const base::WheelSample& sample) {
   if (used_ && sample.utime <= newest_) return false;
   newest_ = sample.utime;
   for (std::size_t i = 0; i < 2; ++i) renewals_[i].add(sample.utime, sample.angle[i]);

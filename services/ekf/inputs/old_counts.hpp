@@ -20,7 +20,7 @@ namespace curbstone::ekf::inputs {
 class OldCounts {
  public:
   /// Whether the sample is old. A sample that is not newer than the one before is not judged.
-  [[nodiscard]] bool is_old(const base::WheelSample& sample);
+  [[nodiscard]] bool is_stale(const base::WheelSample& sample);
 
  private:
   /// How often a wheel's angle changes, whether or not the samples in between are used.

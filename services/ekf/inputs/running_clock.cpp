@@ -20,43 +20,44 @@ std::optional<std::int64_t> RunningClock::add(Sensor sensor, std::int64_t utime,
   const bool is_set =
       consecutive && own.period > 0 && std::abs(step) <= max_jump_ && (step < -kLeast || step > kLeast + own.period);
   if (is_set && step > 0) own.leap = step - own.period, own.leapt_to = utime;
-  const bool goes_on = own.first && consecutive && utime > *own.newest && utime - *own.newest <= kLeast + own.period &&
-                       std::abs(step) <= max_jump_ && (step < 0 || step > kLeast);
+  const bool continues = own.first && consecutive && utime > *own.newest &&
+                         utime - *own.newest <= kLeast + own.period && std::abs(step) <= max_jump_ &&
+                         (step < 0 || step > kLeast);
   // The wheels' sequence numbers are those of messages. A step forward is accepted only with the IMU's.
-  if (goes_on || (is_set && (is_imu || step < 0))) return doubt(own, other, utime, goes_on);
+  if (continues || (is_set && (is_imu || step < 0))) return check_step(own, other, utime, continues);
   own.first.reset();
   if (consecutive && step > 0 && step <= max_jump_) own.period = step;
   if (!own.last || step > 0 || std::abs(step) > max_jump_) own.last = utime;
-  return utime - own.set_by;
+  return utime - own.offset;
 }
 
 bool RunningClock::have_both_leapt(const Channel& own, const Channel& other, std::int64_t leap) {
   return std::abs(other.leap - leap) < kSame && std::abs(other.leapt_to - *own.first) < kLeast + own.period;
 }
 
-std::optional<std::int64_t> RunningClock::doubt(Channel& own, Channel& other, std::int64_t utime, bool goes_on) {
-  if (!goes_on) own.first = utime;
-  own.agreeing = goes_on ? own.agreeing + 1 : 1;
+std::optional<std::int64_t> RunningClock::check_step(Channel& own, Channel& other, std::int64_t utime, bool continues) {
+  if (!continues) own.first = utime;
+  own.agreeing = continues ? own.agreeing + 1 : 1;
   own.newest = utime;
   const std::int64_t leap = *own.first - *own.last - own.period;
   const bool confirmed = own.agreeing >= kConfirmations && (leap < 0 || have_both_leapt(own, other, leap));
   if (!confirmed && leap > 0 && utime - *own.first > kPatience) {  // the sensor was silent
     own.last = utime;
     own.first.reset();
-    return utime - own.set_by;
+    return utime - own.offset;
   }
   if (!confirmed) {
     counters_.add(std::string("dropped.clock_set.") + own.name);
     return std::nullopt;
   }
-  const std::int64_t set_by = own.set_by + leap;
-  own.set_by = std::abs(other.set_by - set_by) < kSame ? other.set_by : set_by;
-  if (other.last && *other.last - *own.last > kLeast && own.set_by > other.set_by) other.set_by = own.set_by;
-  set_by_ = own.set_by;
+  const std::int64_t offset = own.offset + leap;
+  own.offset = std::abs(other.offset - offset) < kSame ? other.offset : offset;
+  if (other.last && *other.last - *own.last > kLeast && own.offset > other.offset) other.offset = own.offset;
+  offset_ = own.offset;
   counters_.add(std::string("clock_set.") + own.name);
   own.last = utime;
   own.first.reset();
-  return utime - own.set_by;
+  return utime - own.offset;
 }
 
 }  // namespace curbstone::ekf::inputs

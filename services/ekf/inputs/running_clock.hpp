@@ -30,7 +30,7 @@ class RunningClock {
   /// Returns the sample's stamp without steps; nothing if the sample is to be dropped.
   [[nodiscard]] std::optional<std::int64_t> add(Sensor sensor, std::int64_t utime, std::int32_t sequence);
   /// Offset to add to an output stamp to get a stamp of the host's present clock.
-  [[nodiscard]] std::int64_t set_by() const { return set_by_; }
+  [[nodiscard]] std::int64_t offset() const { return offset_; }
   /// Counters: clock_set.*, dropped.clock_set.*
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -40,18 +40,18 @@ class RunningClock {
     std::optional<std::int64_t> last = {};  // as received
     std::int32_t sequence = 0;
     std::int64_t period = 0;
-    std::int64_t set_by = 0;
+    std::int64_t offset = 0;
     std::int64_t leap = 0, leapt_to = 0;                  // forward, between consecutive samples
     std::optional<std::int64_t> first = {}, newest = {};  // of the samples that may have a new clock
     int agreeing = 0;
   };
   [[nodiscard]] static bool have_both_leapt(const Channel& own, const Channel& other, std::int64_t leap);
-  std::optional<std::int64_t> doubt(Channel& own, Channel& other, std::int64_t utime, bool goes_on);
+  std::optional<std::int64_t> check_step(Channel& own, Channel& other, std::int64_t utime, bool continues);
 
   static constexpr std::int64_t kSame = 50'000;  // us, tolerance between the steps of two sensors
   std::int64_t max_jump_;
   std::array<Channel, 2> channels_{Channel{.name = "imu"}, Channel{.name = "wheels"}};
-  std::int64_t set_by_ = 0;
+  std::int64_t offset_ = 0;
   Counters counters_;
 };
 

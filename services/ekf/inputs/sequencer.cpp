@@ -28,20 +28,20 @@ void Sequencer::take(Channel<T>& own, Channel<Other>& other, const T& sample) {
       return drop("stray_stamp");
     case StampGuard::Verdict::kJumped:
       counters_.add(std::string("jumps.") + own.name);
-      if (sample.utime < own.newest) turn_clock_back(own, other);
+      if (sample.utime < own.newest) on_clock_set_back(own, other);
       break;
     case StampGuard::Verdict::kBackwards:
     case StampGuard::Verdict::kGood:
       break;
   }
-  const std::int64_t turn = std::max(own.newest, sample.utime);
-  if (const std::int64_t front = std::max(processed_, turn); front != kNever && sample.utime < front - history_) {
+  const std::int64_t due = std::max(own.newest, sample.utime);
+  if (const std::int64_t front = std::max(processed_, due); front != kNever && sample.utime < front - history_) {
     counters_.add("dropped.late");
     return drop("late");
   }
   if (sample.utime < own.newest) counters_.add(std::string("disordered.") + own.name);
-  own.newest = turn;
-  own.queue.push_back({turn, sample});
+  own.newest = due;
+  own.queue.push_back({due, sample});
   if (own.queue.size() > kMaxQueue) {
     own.queue.pop_front();
     drop("queue");
@@ -57,19 +57,19 @@ void Sequencer::push(const base::WheelSample& sample) {
 }
 
 void Sequencer::push(const MapIncrement& increment) {
-  const std::int64_t turn = increment.utime + delay_;
-  if (turn < processed_ || (!increments_.empty() && turn <= increments_.back().utime))
+  const std::int64_t due = increment.utime + delay_;
+  if (due < processed_ || (!increments_.empty() && due <= increments_.back().utime))
     return counters_.add("dropped.late.map");
-  increments_.push_back({turn, increment});
+  increments_.push_back({due, increment});
   if (increments_.size() > kMaxIncrements) {
     increments_.pop_front();
     counters_.add("dropped.queue.map");
   }
 }
 
-void Sequencer::forget_wheels_after(std::int64_t utime) {
+void Sequencer::drop_wheels_after(std::int64_t utime) {
   if (wheels_.newest <= utime) return;
-  const auto later = std::erase_if(wheels_.queue, [&](const auto& turn) { return turn.utime > utime; });
+  const auto later = std::erase_if(wheels_.queue, [&](const auto& entry) { return entry.utime > utime; });
   counters_.add("dropped.clock_set.wheels", static_cast<std::int64_t>(later));
   wheels_.newest = utime;
   wheels_.guard.reset();
@@ -77,7 +77,7 @@ void Sequencer::forget_wheels_after(std::int64_t utime) {
 
 /// Drops waiting samples, which belong to the old time; the other sensor's next stamp may be of either time.
 template <class T, class Other>
-void Sequencer::turn_clock_back(Channel<T>& own, Channel<Other>& other) {
+void Sequencer::on_clock_set_back(Channel<T>& own, Channel<Other>& other) {
   counters_.add("dropped.clock_turned_back", static_cast<std::int64_t>(own.queue.size() + other.queue.size()));
   own.queue.clear();
   other.queue.clear();
@@ -90,11 +90,11 @@ void Sequencer::turn_clock_back(Channel<T>& own, Channel<Other>& other) {
 
 template <class T, class Other>
 std::optional<Sequencer::Sample> Sequencer::pop_front(Channel<T>& own, const Channel<Other>& other, bool drain) {
-  const std::int64_t turn = own.queue.front().utime;
-  const bool due = drain || other.newest >= turn || own.newest - turn >= hold_;
-  if (!due) return std::nullopt;
-  processed_ = std::max(processed_, turn);
-  if (!increments_.empty() && increments_.front().utime < turn) {
+  const std::int64_t due = own.queue.front().utime;
+  const bool ready = drain || other.newest >= due || own.newest - due >= hold_;
+  if (!ready) return std::nullopt;
+  processed_ = std::max(processed_, due);
+  if (!increments_.empty() && increments_.front().utime < due) {
     Sample increment = increments_.front().sample;
     increments_.pop_front();
     return increment;

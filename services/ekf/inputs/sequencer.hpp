@@ -38,7 +38,7 @@ class Sequencer {
   void push(const base::WheelSample& sample);
   void push(const MapIncrement& increment);
   /// Drops waiting wheel samples with later stamps: they belong to another clock.
-  void forget_wheels_after(std::int64_t utime);
+  void drop_wheels_after(std::int64_t utime);
   /// Returns the next sample that is due; with `drain`, without waiting for the other sensor.
   [[nodiscard]] std::optional<Sample> pop(bool drain = false);
 
@@ -49,7 +49,7 @@ class Sequencer {
  private:
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
   template <class T>
-  struct Turn {
+  struct Scheduled {
     std::int64_t utime;  // us, time at which the sample is due
     T sample;
   };
@@ -58,14 +58,14 @@ class Sequencer {
     Channel(const char* channel_name, std::int64_t max_jump) : name(channel_name), guard(max_jump) {}
     const char* name;
     StampGuard guard;
-    std::deque<Turn<T>> queue;     // by due time
-    std::int64_t newest = kNever;  // us
+    std::deque<Scheduled<T>> queue;  // by due time
+    std::int64_t newest = kNever;    // us
   };
 
   template <class T, class Other>
   void take(Channel<T>& own, Channel<Other>& other, const T& sample);
   template <class T, class Other>
-  void turn_clock_back(Channel<T>& own, Channel<Other>& other);
+  void on_clock_set_back(Channel<T>& own, Channel<Other>& other);
   template <class T, class Other>
   [[nodiscard]] std::optional<Sample> pop_front(Channel<T>& own, const Channel<Other>& other, bool drain);
 
@@ -74,7 +74,7 @@ class Sequencer {
   std::int64_t delay_;    // us, of map increments
   Channel<base::ImuSample> imu_;
   Channel<base::WheelSample> wheels_;
-  std::deque<Turn<MapIncrement>> increments_;
+  std::deque<Scheduled<MapIncrement>> increments_;
   std::int64_t processed_ = kNever;  // us, due time of the latest released sample
   Counters counters_;
 };

@@ -25,11 +25,11 @@ constexpr std::size_t kNear = 8, kFar = 64;  // samples
 
 std::int64_t StampStraightener::add(std::int64_t stamp, std::int32_t sequence) {
   const std::int64_t step = stamp - last_stamp_;
-  if (!points_.empty() && std::abs(step) > kJump && ++astray_ < kConfirmations) return stamp;
+  if (!points_.empty() && std::abs(step) > kJump && ++outliers_ < kConfirmations) return stamp;
   const std::int64_t ahead = std::int64_t{sequence} - sequence_;
   if (!points_.empty() && step == 0 && ahead != 1) return last_out_;  // the same sample again
   if (!points_.empty() && step < 0 && step > -kJump) return stamp;    // out of order: it keeps its own stamp
-  astray_ = 0;
+  outliers_ = 0;
   std::int64_t number = ahead > 1 && ahead <= kMostLost ? ahead : 1;
   sequence_ = sequence;
   last_stamp_ = stamp;

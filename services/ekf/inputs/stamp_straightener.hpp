@@ -47,7 +47,7 @@ class StampStraightener {
   std::int64_t last_stamp_ = 0;  // as received
   std::int64_t last_out_ = 0;
   std::int64_t learnt_at_ = 0;  // sample number
-  int astray_ = 0;              // consecutive stamps far from those before
+  int outliers_ = 0;            // consecutive stamps far from those before
   double period_ = 0.0;         // us; 0: not known yet
   bool active_ = false;
 };

@@ -8,7 +8,7 @@ namespace curbstone::ekf::model {
 Observation::Observation(int rows)
     : residual(Residual::Zero(rows)), H(Jacobian::Zero(rows, kErrorSize)), R(Noise::Zero(rows, rows)) {}
 
-double distance(const Belief& belief, const Observation& z) {
+double squared_mahalanobis(const Belief& belief, const Observation& z) {
   const Observation::Noise S = z.H * belief.covariance * z.H.transpose() + z.R;
   return z.residual.dot(S.ldlt().solve(z.residual));
 }
@@ -47,8 +47,8 @@ Observation stack(const Observation& a, const Observation& b) {
   return z;
 }
 
-bool soften_beyond(double gate, const Belief& belief, Observation& z) {
-  const double d = distance(belief, z);
+bool inflate_noise_beyond(double gate, const Belief& belief, Observation& z) {
+  const double d = squared_mahalanobis(belief, z);
   if (d <= gate) return true;
   z.R *= d / gate;
   return false;

@@ -21,7 +21,7 @@ using Gain = Eigen::Matrix<double, kErrorSize, Eigen::Dynamic, 0, kErrorSize, Ob
 
 /// Squared Mahalanobis distance of the residual. If the filter is consistent it is chi-square distributed with as many
 /// degrees of freedom as rows.
-[[nodiscard]] double distance(const Belief& belief, const Observation& z);
+[[nodiscard]] double squared_mahalanobis(const Belief& belief, const Observation& z);
 
 /// Gain that is optimal for every component of the error.
 [[nodiscard]] Gain optimal_gain(const Belief& belief, const Observation& z);
@@ -40,7 +40,7 @@ void correct(Belief& belief, const Observation& z, const Gain& K);
 
 /// A gate that cannot lock the filter out: an observation beyond `gate` keeps its direction, but its weight decreases
 /// with its distance. Returns whether it is inside the gate.
-[[nodiscard]] bool soften_beyond(double gate, const Belief& belief, Observation& z);
+[[nodiscard]] bool inflate_noise_beyond(double gate, const Belief& belief, Observation& z);
 
 /// Chi-square quantiles at 99.9 %, for 1, 3 and 6 degrees of freedom.
 inline constexpr double kGate1 = 10.83;

@@ -20,19 +20,19 @@ constexpr double kLeastTurn = 0.05;  // rad^2/s, turn beyond what the speed expl
 constexpr int kStretches = 2;        // of that much turning
 constexpr double kTurnsAlike = 0.7;  // minimum of TurnFit::explained()
 
-constexpr double kSlow = 3.0;         // s: slower changes are tilt and bias
-constexpr double kLeastMotion = 2.0;  // m^2/s^3: 1 m/s^2 for 2 s
-constexpr double kMostMotion = 20.0;  // m^2/s^3, beyond which the sums are halved
-constexpr double kExplained = 0.5;    // minimum share of the force's square
-constexpr double kApart = 0.2;        // share by which the mirror image must explain it better
-constexpr double kHandLong = 10.0;    // s in a row: wheels that slip for that long look like anything
-constexpr double kHandMotion = 1.5;   // m^2/s^3 of motion in that time
-constexpr double kBend = 8.0;         // s, duration of a bend
-constexpr double kTurning = 0.1;      // rad/s, of the wheels
-constexpr double kTurningLong = 2.0;  // s at that rate: a wheel's jolt is one interval, which anything explains
-constexpr double kLongTurn = 0.1;     // rad^2/s
-constexpr double kLying = 0.8;        // minimum share of the wheels' turn that the rate about a level axis explains
-constexpr double kUpright = 0.2;      // maximum share of it in the rate about z
+constexpr double kSlow = 3.0;            // s: slower changes are tilt and bias
+constexpr double kLeastMotion = 2.0;     // m^2/s^3: 1 m/s^2 for 2 s
+constexpr double kMostMotion = 20.0;     // m^2/s^3, beyond which the sums are halved
+constexpr double kExplained = 0.5;       // minimum share of the force's square
+constexpr double kMirrorMargin = 0.2;    // share by which the mirror image must explain it better
+constexpr double kMirroredFor = 10.0;    // s in a row: wheels that slip for that long look like anything
+constexpr double kMirroredMotion = 1.5;  // m^2/s^3 of motion in that time
+constexpr double kBend = 8.0;            // s, duration of a bend
+constexpr double kTurning = 0.1;         // rad/s, of the wheels
+constexpr double kTurningLong = 2.0;     // s at that rate: a wheel's jolt is one interval, which anything explains
+constexpr double kLongTurn = 0.1;        // rad^2/s
+constexpr double kLying = 0.8;           // minimum share of the wheels' turn that the rate about a level axis explains
+constexpr double kUpright = 0.2;         // maximum share of it in the rate about z
 constexpr double kLeastGain = 0.5, kMostGain = 2.0;
 
 }  // namespace
@@ -54,7 +54,7 @@ void MountingWatch::add(const base::ImuSample& sample) {
   if (gravity_seconds_ >= kFirstGravity) tilted_ = gravity_.z() < std::cos(kMaxTilt) * gravity_.norm();
 }
 
-void MountingWatch::begin_again(const base::WheelSample& sample) {
+void MountingWatch::restart_interval(const base::WheelSample& sample) {
   begin_ = sample;
   imu_samples_ = 0;
   force_sum_.setZero();
@@ -67,38 +67,38 @@ void MountingWatch::add(const base::WheelSample& sample) {
   if (seconds >= 0.0 && seconds < kInterval) return;
   if (seconds < 0.0 || seconds > kLongest || imu_samples_ < kLeastSamples) {
     before_.reset();
-    return begin_again(sample);
+    return restart_interval(sample);
   }
   const double left = radius_ * (sample.angle[0] - begin_->angle[0]) / seconds;
   const double right = radius_ * (sample.angle[1] - begin_->angle[1]) / seconds;
   const Eigen::Vector3d force = force_sum_ / imu_samples_;
   const Eigen::Vector3d rate = rate_sum_ / imu_samples_;
-  judge({seconds, 0.5 * (left + right), (right - left) / track_, rate.z(), rate.head<2>(), force.head<2>()});
-  begin_again(sample);
+  check({seconds, 0.5 * (left + right), (right - left) / track_, rate.z(), rate.head<2>(), force.head<2>()});
+  restart_interval(sample);
 }
 
-void MountingWatch::judge(const Interval& interval) {
-  judge_turn(interval);
-  judge_lying(interval);
-  if (before_) judge_forward(*before_, interval);
+void MountingWatch::check(const Interval& interval) {
+  check_turn(interval);
+  check_gyro_up(interval);
+  if (before_) check_forward(*before_, interval);
   before_ = interval;
 }
 
 /// Slip looks like anything for a while: kStretches in a row must agree.
-void MountingWatch::judge_turn(const Interval& interval) {
+void MountingWatch::check_turn(const Interval& interval) {
   turn_scale_.add(interval.seconds, interval.speed, interval.wheel_rate, interval.gyro_rate);
   turn_.add(interval.seconds, interval.speed, interval.wheel_rate, interval.gyro_rate);
   if (turn_.turn() < kLeastTurn) return;
   const TurnFit turn = std::exchange(turn_, {});
   const double gain = turn.gain();
   if (turn.explained() < kTurnsAlike || std::abs(gain) < kLeastGain || std::abs(gain) > kMostGain) return;
-  against_ = gain < 0 ? against_ + 1 : 0;
-  opposite_ = against_ >= kStretches || (opposite_ && gain < 0);
+  opposite_stretches_ = gain < 0 ? opposite_stretches_ + 1 : 0;
+  opposite_ = opposite_stretches_ >= kStretches || (opposite_ && gain < 0);
 }
 
 /// Uses the last kBend seconds, including what is proportional to the speed, as in an even bend: slip does not cause a
 /// rate about a level axis, so one bend is enough.
-void MountingWatch::judge_lying(const Interval& interval) {
+void MountingWatch::check_gyro_up(const Interval& interval) {
   const double kept = std::max(1.0 - interval.seconds / kBend, 0.0);
   upright_.fade(kept);
   upright_.add(interval.seconds, 0.0, interval.wheel_rate, interval.gyro_rate);
@@ -110,12 +110,13 @@ void MountingWatch::judge_lying(const Interval& interval) {
     fit.fade(kept);
     fit.add(interval.seconds, 0.0, interval.wheel_rate, interval.level_rate[i]);
     const bool as_far = fit.turn() > turn / (kMostGain * kMostGain) && fit.turn() < turn / (kLeastGain * kLeastGain);
-    if (enough && as_far && fit.explained() > kLying) lying_ = Eigen::Vector2d::Unit(i) * (fit.gain() < 0 ? -1.0 : 1.0);
+    if (enough && as_far && fit.explained() > kLying)
+      gyro_up_ = Eigen::Vector2d::Unit(i) * (fit.gain() < 0 ? -1.0 : 1.0);
   }
 }
 
 /// Compares the change of speed between the centres of two intervals with the mean force of both.
-void MountingWatch::judge_forward(const Interval& before, const Interval& interval) {
+void MountingWatch::check_forward(const Interval& before, const Interval& interval) {
   const double seconds = 0.5 * (before.seconds + interval.seconds);
   const Eigen::Vector2d mean = 0.5 * (before.force + interval.force);
   const double sideways = 0.5 * (before.speed * before.gyro_rate + interval.speed * interval.gyro_rate);
@@ -137,28 +138,29 @@ void MountingWatch::judge_forward(const Interval& before, const Interval& interv
     mirror_product_ *= 0.5;
   }
   if (motion_square_ < kLeastMotion) return;
-  judge_hand(seconds, seconds * std::norm(quick_motion));
+  check_handedness(seconds, seconds * std::norm(quick_motion));
   const double gain = std::abs(product_) / motion_square_;
   const bool explained = std::norm(product_) > kExplained * force_square_ * motion_square_;
   if (!explained || gain < kLeastGain || gain > kMostGain) return;
-  turned_ = std::abs(std::arg(product_)) > (turned_ ? 0.5 : 1.0) * kMaxYaw;
+  yaw_is_wrong_ = std::abs(std::arg(product_)) > (yaw_is_wrong_ ? 0.5 : 1.0) * kMaxYaw;
 }
 
 /// Slip looks like anything for a while: the result must last, and explain more of the motion.
-void MountingWatch::judge_hand(double seconds, double motion) {
+void MountingWatch::check_handedness(double seconds, double motion) {
   const double all = force_square_ * motion_square_;
-  const double as_it_is = std::norm(product_) / all;
+  const double direct = std::norm(product_) / all;
   const double mirrored = std::norm(mirror_product_) / all;
   const double gain = std::abs(mirror_product_) / motion_square_;
-  const bool says_so = mirrored > std::max(kExplained, as_it_is + kApart) && gain > kLeastGain && gain < kMostGain;
-  if (!says_so) {
-    hand_seconds_ = hand_motion_ = 0.0;
-    mirrored_ = mirrored_ && as_it_is < std::max(kExplained, mirrored + kApart);
+  const bool is_mirrored =
+      mirrored > std::max(kExplained, direct + kMirrorMargin) && gain > kLeastGain && gain < kMostGain;
+  if (!is_mirrored) {
+    mirrored_seconds_ = mirrored_motion_ = 0.0;
+    mirrored_ = mirrored_ && direct < std::max(kExplained, mirrored + kMirrorMargin);
     return;
   }
-  hand_seconds_ += seconds;
-  hand_motion_ += motion;
-  mirrored_ = mirrored_ || (hand_seconds_ > kHandLong && hand_motion_ > kHandMotion);
+  mirrored_seconds_ += seconds;
+  mirrored_motion_ += motion;
+  mirrored_ = mirrored_ || (mirrored_seconds_ > kMirroredFor && mirrored_motion_ > kMirroredMotion);
 }
 
 std::optional<Eigen::Vector3d> MountingWatch::wrong_up() const {
@@ -174,17 +176,17 @@ std::optional<double> MountingWatch::wrong_gravity() const {
 
 bool MountingWatch::gyro_is_wrong() const {
   const auto scale = wrong_turn_scale();
-  if (lying_gyro()) return true;
+  if (wrong_gyro_up()) return true;
   return scale && !TurnScale::is_plausible(*scale);
 }
 
 std::optional<double> MountingWatch::wrong_turn_scale() const {
-  return tilted_ || opposite_ ? std::nullopt : turn_scale_.wrong();
+  return tilted_ || opposite_ ? std::nullopt : turn_scale_.wrong_scale();
 }
 
-std::optional<Eigen::Vector3d> MountingWatch::lying_gyro() const {
-  if (lying_.isZero() || tilted_) return {};
-  return R_base_imu_.transpose() * Eigen::Vector3d(lying_.x(), lying_.y(), 0.0);
+std::optional<Eigen::Vector3d> MountingWatch::wrong_gyro_up() const {
+  if (gyro_up_.isZero() || tilted_) return {};
+  return R_base_imu_.transpose() * Eigen::Vector3d(gyro_up_.x(), gyro_up_.y(), 0.0);
 }
 
 std::optional<Eigen::Vector2d> MountingWatch::mirrored() const {
@@ -194,7 +196,7 @@ std::optional<Eigen::Vector2d> MountingWatch::mirrored() const {
 }
 
 std::optional<double> MountingWatch::missing_yaw() const {
-  if (!turned_ || tilted_ || mirrored_) return {};
+  if (!yaw_is_wrong_ || tilted_ || mirrored_) return {};
   return -std::arg(product_);
 }
 

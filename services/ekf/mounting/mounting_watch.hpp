@@ -27,7 +27,7 @@ namespace curbstone::ekf::mounting {
 /// - Handedness: if the mirror image of that motion, rotated by any angle, explains most of the force, and the motion
 ///   itself clearly less, then two axes of the IMU are swapped, or one has the wrong sign. (This needs bends: without
 ///   them both explain it equally.)
-/// - Lying gyro: if the rate about a level axis is proportional to the wheels' yaw rate, and the rate about the
+/// - The gyro's axes: if the rate about a level axis is proportional to the wheels' yaw rate, and the rate about the
 ///   vertical is not, then another axis of the gyro points up than the file says.
 ///
 /// A value type; one thread. Samples in the order of their stamps, base_link's axes as configured.
@@ -54,10 +54,10 @@ class MountingWatch {
   [[nodiscard]] bool turns_opposite() const { return opposite_ && !tilted_; }
   /// The wheels' turn as a multiple of the gyro's, if it is wrong. Not while they turn opposite ways.
   [[nodiscard]] std::optional<double> wrong_turn_scale() const;
-  /// That multiple is beyond any track width, or the gyro is lying: its rate is unrelated to the vehicle's turn.
+  /// That multiple is beyond any track width, or wrong_gyro_up(): its rate is unrelated to the vehicle's turn.
   [[nodiscard]] bool gyro_is_wrong() const;
   /// Unit vector, imu frame: the axis of the gyro that points up, if it is not the accelerometer's.
-  [[nodiscard]] std::optional<Eigen::Vector3d> lying_gyro() const;
+  [[nodiscard]] std::optional<Eigen::Vector3d> wrong_gyro_up() const;
   /// The IMU's reading of a force ahead (x) and to the left (y), if the axes are mirrored: (0, 1) means that its x is
   /// the vehicle's left. No rotation in vehicle.imu corrects that.
   [[nodiscard]] std::optional<Eigen::Vector2d> mirrored() const;
@@ -74,12 +74,12 @@ class MountingWatch {
     Eigen::Vector2d level_rate = Eigen::Vector2d::Zero();  // rad/s, about x and y
     Eigen::Vector2d force = Eigen::Vector2d::Zero();       // m/s^2
   };
-  void begin_again(const base::WheelSample& sample);
-  void judge(const Interval& interval);
-  void judge_turn(const Interval& interval);
-  void judge_lying(const Interval& interval);
-  void judge_hand(double seconds, double motion);
-  void judge_forward(const Interval& before, const Interval& interval);
+  void restart_interval(const base::WheelSample& sample);
+  void check(const Interval& interval);
+  void check_turn(const Interval& interval);
+  void check_gyro_up(const Interval& interval);
+  void check_handedness(double seconds, double motion);
+  void check_forward(const Interval& before, const Interval& interval);
 
   Eigen::Matrix3d R_base_imu_;
   double radius_, track_;  // m
@@ -96,20 +96,20 @@ class MountingWatch {
   std::optional<Interval> before_;
 
   TurnFit turn_;
-  int against_ = 0;  // consecutive stretches in which they turned opposite ways
+  int opposite_stretches_ = 0;  // consecutive stretches in which they turned opposite ways
   bool opposite_ = false;
   TurnScale turn_scale_;
-  TurnFit upright_;                                  // of the rate about z
-  std::array<TurnFit, 2> level_;                     // x, y, over the last seconds
-  double turning_ = 0.0;                             // s, over the last seconds
-  Eigen::Vector2d lying_ = Eigen::Vector2d::Zero();  // the lying gyro's axis
+  TurnFit upright_;                                    // of the rate about z
+  std::array<TurnFit, 2> level_;                       // x, y, over the last seconds
+  double turning_ = 0.0;                               // s, over the last seconds
+  Eigen::Vector2d gyro_up_ = Eigen::Vector2d::Zero();  // its axis that points up; 0: the configured one
 
   double mean_seconds_ = 0.0;
   Complex mean_force_, mean_motion_;                 // slow part: tilt, bias
   double force_square_ = 0.0, motion_square_ = 0.0;  // integrals, m^2/s^3
   Complex product_, mirror_product_;                 // of the force with the motion, and with its mirror image
-  bool turned_ = false;
-  double hand_seconds_ = 0.0, hand_motion_ = 0.0;  // in a row, in which the mirror image explains the force
+  bool yaw_is_wrong_ = false;
+  double mirrored_seconds_ = 0.0, mirrored_motion_ = 0.0;  // in a row, in which the mirror image explains the force
   bool mirrored_ = false;
 };
 

@@ -44,22 +44,24 @@ class TurnFit {
 
 /// Detects that the wheels turn by another multiple than 1 of the gyro's turn, in all but one of the last stretches of
 /// turning: the track width is wrong (that of a skid steer is not the distance of its wheels), or the gyro's scale is.
-/// The sensors do not show which. If the gyro does not turn at all the multiple is kNoTurn. A value type; one thread.
+/// The sensors do not show which. If the gyro does not turn at all the multiple is kGyroNotTurning; if it turns far
+/// more than the wheels, kGyroTooFast. A value type; one thread.
 class TurnScale {
  public:
   static constexpr double kMostWrong = 0.12;  ///< margin for slip and for a track width measured by hand
-  static constexpr double kNoTurn = 100.0;
+  static constexpr double kGyroNotTurning = 100.0;
+  static constexpr double kGyroTooFast = 0.0;
 
   /// As TurnFit::add().
   void add(double seconds, double speed, double wheel_rate, double gyro_rate) {
-    note_run_away(seconds, speed, wheel_rate, gyro_rate);
+    check_gyro_too_fast(seconds, speed, wheel_rate, gyro_rate);
     fit_.add(seconds, speed, wheel_rate, gyro_rate);
     const bool turns = std::max(fit_.turn(), fit_.wheel_turn()) >= kLeastTurn;
     if (turns && fit_.seconds() >= kLeastSeconds) judge_stretch();
   }
   /// The multiple, if it is wrong.
-  [[nodiscard]] std::optional<double> wrong() const {
-    if (known_ < kStretches) return {};
+  [[nodiscard]] std::optional<double> wrong_scale() const {
+    if (gain_count_ < kStretches) return {};
     std::array<double, kStretches> sorted = gains_;
     std::sort(sorted.begin(), sorted.end());
     const double least = sorted[1] - 1.0, most = sorted[kStretches - 2] - 1.0;  // of all but one
@@ -78,41 +80,41 @@ class TurnScale {
   static constexpr double kStill = 0.02;  // of the wheels' square
   static constexpr std::size_t kStretches = 5;
   static constexpr double kMostScale = 5.0;
-  static constexpr double kRunsAway = 0.4;  // rad/s, in addition to kMostScale times the wheels' rate
-  static constexpr double kLongAway = 1.0;  // s, for that long
-  static constexpr double kDriving = 0.3;   // m/s
-  /// A gyro in another unit exceeds the wheels' yaw rate by far: kLongAway of it is enough.
-  void note_run_away(double seconds, double speed, double wheel_rate, double gyro_rate) {
-    const bool away = std::abs(gyro_rate) > kRunsAway + kMostScale * std::abs(wheel_rate);
-    away_ = away && std::abs(speed) > kDriving && !gyro_turns_ ? away_ + seconds : 0.0;
-    if (away_ <= kLongAway) return;
-    gains_.fill(0.0);
-    known_ = kStretches;
+  static constexpr double kTooFast = 0.4;     // rad/s, in addition to kMostScale times the wheels' rate
+  static constexpr double kTooFastFor = 1.0;  // s, for that long
+  static constexpr double kDriving = 0.3;     // m/s
+  /// A gyro in another unit exceeds the wheels' yaw rate by far: kTooFastFor of it is enough.
+  void check_gyro_too_fast(double seconds, double speed, double wheel_rate, double gyro_rate) {
+    const bool too_fast = std::abs(gyro_rate) > kTooFast + kMostScale * std::abs(wheel_rate);
+    too_fast_for_ = too_fast && std::abs(speed) > kDriving && !gyro_turns_ ? too_fast_for_ + seconds : 0.0;
+    if (too_fast_for_ <= kTooFastFor) return;
+    gains_.fill(kGyroTooFast);
+    gain_count_ = kStretches;
   }
   void judge_stretch() {
     const bool gyro_turned = fit_.turn() >= kLeastTurn;
-    const bool by_wheels_alone = fit_.turn() < kStill * fit_.wheel_turn();
-    if (by_wheels_alone && !gyro_turns_) {
-      note(kNoTurn);
+    const bool only_wheels_turned = fit_.turn() < kStill * fit_.wheel_turn();
+    if (only_wheels_turned && !gyro_turns_) {
+      add_gain(kGyroNotTurning);
     } else if (!gyro_turned) {
       return;  // the stretch continues
     } else if (fit_.explained() > kExplained) {
-      note(fit_.gain());
+      add_gain(fit_.gain());
       gyro_turns_ = gyro_turns_ || is_plausible(fit_.gain());
     }
     fit_ = {};
   }
-  void note(double gain) {
+  void add_gain(double gain) {
     std::rotate(gains_.begin(), gains_.begin() + 1, gains_.end());
     gains_.back() = gain;
-    known_ = std::min(known_ + 1, kStretches);
+    gain_count_ = std::min(gain_count_ + 1, kStretches);
   }
 
   TurnFit fit_;
   std::array<double, kStretches> gains_{};
-  std::size_t known_ = 0;
-  double away_ = 0.0;        // s
-  bool gyro_turns_ = false;  // the gyro has turned as the wheels do: if they turn without it later, they slip
+  std::size_t gain_count_ = 0;
+  double too_fast_for_ = 0.0;  // s
+  bool gyro_turns_ = false;    // the gyro has turned as the wheels do: if they turn without it later, they slip
 };
 
 }  // namespace curbstone::ekf::mounting

@@ -18,13 +18,14 @@ namespace curbstone::ekf::wheel_faults {
 /// Requires counters of 2048 steps or more; stamp jitter and coarser counts hide the effect. Pure; one thread.
 class EvenWheels {
  public:
-  static constexpr double kLeast = 1.5;  ///< s, minimum duration of even turning
-  static constexpr double kMost = 15.0;  ///< s, of which are remembered
-  static constexpr double kWay = 8e-4;  ///< m, maximum distance of the travel from a straight line: three counter steps
-  static constexpr double kSpeed = 0.3;     ///< m/s, minimum speed of both wheels
-  static constexpr double kChange = 0.5;    ///< m/s, minimum change of the IMU's speed
-  static constexpr double kDrift = 0.04;    ///< m/s^2, drift of the IMU's speed that is allowed in addition
-  static constexpr double kSettled = 0.15;  ///< m/s^2, maximum difference between its first and its last acceleration
+  static constexpr double kMinDuration = 1.5;   ///< s, minimum duration of even turning
+  static constexpr double kMaxDuration = 15.0;  ///< s, of which are remembered
+  static constexpr double kMaxDeviation =
+      8e-4;  ///< m, maximum distance of the travel from a straight line: three counter steps
+  static constexpr double kMinSpeed = 0.3;   ///< m/s, minimum speed of both wheels
+  static constexpr double kMinChange = 0.5;  ///< m/s, minimum change of the IMU's speed
+  static constexpr double kDrift = 0.04;     ///< m/s^2, drift of the IMU's speed that is allowed in addition
+  static constexpr double kSettled = 0.15;   ///< m/s^2, maximum difference between its first and its last acceleration
 
   /// Adds the next interval. If it does not begin at the last one's end, everything restarts. `inertial_speed`: m/s,
   /// integrated from the IMU alone from an arbitrary zero, mean over the interval; `noise`: m/s^2/sqrt(Hz), its noise
@@ -40,15 +41,15 @@ class EvenWheels {
 
  private:
   struct Point {
-    double seconds = 0.0;            // since the first
-    std::array<double, 2> way = {};  // m, at the end of an interval
-    double inertial_speed = 0.0;     // m/s, mean over the interval
-    double variance = 0.0;           // m^2/s^2, of the speed since the first point, due to noise
+    double seconds = 0.0;                 // since the first
+    std::array<double, 2> distance = {};  // m, at the end of an interval
+    double inertial_speed = 0.0;          // m/s, mean over the interval
+    double variance = 0.0;                // m^2/s^2, of the speed since the first point, due to noise
   };
   [[nodiscard]] double duration() const { return points_.back().seconds - points_.front().seconds; }
   [[nodiscard]] bool rolls_evenly() const;
   [[nodiscard]] double acceleration(std::size_t from, std::size_t to) const;
-  [[nodiscard]] bool felt_another_speed(std::size_t from) const;
+  [[nodiscard]] bool imu_speed_changed(std::size_t from) const;
 
   std::deque<Point> points_;
   std::int64_t end_ = 0;  // us, of the last interval

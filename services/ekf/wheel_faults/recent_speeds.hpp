@@ -23,7 +23,7 @@ class RecentSpeeds {
   struct Leap {
     double wheels = 0.0;  ///< m/s, change of the wheels' speed minus that of the IMU's, magnitudes
     bool imu = false;     ///< the IMU's speed has leapt, and the wheels' has not
-    double apart = 0.0;   ///< m/s, by which the wheels' speed differs since, if that is due to a change of the IMU's
+    double offset = 0.0;  ///< m/s, by which the wheels' speed differs since, if that is due to a change of the IMU's
   };
   [[nodiscard]] Leap leap() const {
     const double of_wheels = speeds_.back().wheels - speeds_.front().wheels;

@@ -22,7 +22,7 @@ void SlipJudge::judge(const inputs::WheelInterval& interval, const std::array<do
       speed += 0.5 * of_wheel;
     }
   }
-  if (turn_is_lost_) yaw_rate = gyro;
+  if (yaw_rate_unmeasured_) yaw_rate = gyro;
   if (faulty[0] && faulty[1]) {
     detector_.reset();
     return;
@@ -44,7 +44,7 @@ void SlipJudge::judge(const inputs::WheelInterval& interval, const std::array<do
   if (signs.speeding) counters.add("slip_signs.speeding");
 }
 
-void SlipJudge::accuse(std::int64_t utime) {
+void SlipJudge::reject_both(std::int64_t utime) {
   until_.fill(utime + static_cast<std::int64_t>(config_.hold / base::kSecondsPerMicrosecond));
 }
 

@@ -32,25 +32,25 @@ class WheelDispute {
   void add(const WheelLook& look, const std::array<bool, 2>& trusted);
 
   /// Takes the speeds' change up to the newest interval's end: a leap may take several intervals.
-  void note(const RecentSpeeds::Leap& leap);
+  void update_leap(const RecentSpeeds::Leap& leap);
 
-  /// Which one is wrong; kNone: undecided, because either explains the difference.
-  enum class Finding { kNone, kWheels, kFilter };
+  /// Which one is wrong; kUndecided: either explains the difference.
+  enum class Finding { kUndecided, kWheelsWrong, kFilterWrong };
   [[nodiscard]] Finding finding() const;
-  /// Waits for another patience after kNone.
-  void await_more();
+  /// Waits for another patience after kUndecided.
+  void extend();
 
   /// All evidence of a wheel.
   [[nodiscard]] WheelEvidence evidence(std::size_t wheel) const;
 
-  /// How far the wheels may have pulled the filter off before they were refused, after `way` m driven with them. Wheels
-  /// that went wrong at once have not.
-  struct Astray {
-    double speed = 0.0;    ///< m/s
-    double place = 0.0;    ///< m
-    double seconds = 0.0;  ///< since they were refused
+  /// How far the wheels may have pulled the filter off before they were refused, after `distance` m driven with them.
+  /// Wheels that went wrong at once have not.
+  struct FilterError {
+    double speed = 0.0;     ///< m/s
+    double position = 0.0;  ///< m
+    double seconds = 0.0;   ///< since they were refused
   };
-  [[nodiscard]] Astray astray(double way) const;
+  [[nodiscard]] FilterError filter_error(double distance) const;
 
   /// m/s, the filter's latest expectation of the wheels' speed.
   [[nodiscard]] double expected_speed() const { return expected_speed_; }
@@ -59,17 +59,18 @@ class WheelDispute {
   static constexpr double kBefore = 0.5;   ///< s that a drifting filter takes until it is refused
 
  private:
-  static constexpr std::size_t kParts = 4;
-  using Parts = std::array<WheelEvidence, kParts>;
-  [[nodiscard]] std::size_t part_at(double since) const;
+  static constexpr std::size_t kSegments = 4;
+  using Segments = std::array<WheelEvidence, kSegments>;
+  [[nodiscard]] std::size_t segment_at(double since) const;
   [[nodiscard]] bool imu_leapt() const;
 
   Settings settings_;
   RecentSpeeds::Leap leap_;
   std::int64_t begin_, end_;       // us
   std::array<bool, 2> trusted_{};  // the wheels
-  std::array<Parts, 2> parts_{};   // by wheel, of the patience; later: [0] all before it, the others the newest one
-  int patiences_ = 0;              // number of patiences without a decision
+  std::array<Segments, 2>
+      segments_{};      // by wheel, of the patience; later: [0] all before it, the others the newest one
+  int extensions_ = 0;  // number of patiences without a decision
   std::optional<double> first_difference_;  // m/s, wheels minus filter, at the beginning
   double expected_speed_ = 0.0;             // m/s
 };

@@ -22,16 +22,16 @@ class WheelEvidence {
   void fade(double seconds);
 
   /// The wheel's speed as a multiple of the filter's.
-  [[nodiscard]] double ratio() const { return ratio_beyond(0.0); }
+  [[nodiscard]] double ratio() const { return ratio_without_offset(0.0); }
   /// m/s, wheel minus filter.
-  [[nodiscard]] double mean_difference() const { return of(kSeconds) > 0 ? of(kD) / of(kSeconds) : 0.0; }
+  [[nodiscard]] double mean_difference() const { return sum(kDuration) > 0 ? sum(kDiff) / sum(kDuration) : 0.0; }
   /// Whether it shows a multiple that differs from 1 by at least `least`, and turning does not explain it half as well.
-  [[nodiscard]] bool shows_multiple(double least) const;
+  [[nodiscard]] bool has_scale_error(double least) const;
   /// Whether a part of the same time shows the same multiple. The filter's speed may have been pulled along a little
   /// before.
   [[nodiscard]] bool agrees(const WheelEvidence& part) const;
   /// m/s by which the wheel had pulled the filter along, as far as its speeds show.
-  [[nodiscard]] double pulled() const;
+  [[nodiscard]] double filter_offset() const;
   /// Whether a drift of the filter explains the difference at least half as well.
   [[nodiscard]] bool may_be_drift() const;
 
@@ -39,16 +39,28 @@ class WheelEvidence {
 
  private:
   // Residuals of each explanation, and the noise that is allowed for all of them.
-  [[nodiscard]] double beyond_multiple() const;
-  [[nodiscard]] double beyond_turning() const;
-  [[nodiscard]] double beyond_drift() const;
+  [[nodiscard]] double scale_residual() const;
+  [[nodiscard]] double turning_residual() const;
+  [[nodiscard]] double drift_residual() const;
   [[nodiscard]] double noise() const;
   [[nodiscard]] double offset() const;
-  [[nodiscard]] double ratio_beyond(double offset) const;
+  [[nodiscard]] double ratio_without_offset(double offset) const;
 
   // Sums over time of products: d is the difference, e expected, w turn, t since.
-  enum Sum { kD, kE, kDd, kDe, kEe, kDw, kWw, kDt, kTt, kSeconds, kSums };
-  [[nodiscard]] double of(Sum sum) const { return sums_[sum]; }
+  enum Sum {
+    kDiff,
+    kExpected,
+    kDiffDiff,
+    kDiffExpected,
+    kExpectedExpected,
+    kDiffTurn,
+    kTurnTurn,
+    kDiffTime,
+    kTimeTime,
+    kDuration,
+    kSums
+  };
+  [[nodiscard]] double sum(Sum product) const { return sums_[product]; }
   std::array<double, kSums> sums_{};
 };
 

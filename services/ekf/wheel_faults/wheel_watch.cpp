@@ -30,8 +30,8 @@ void WheelWatch::add(const WheelLook& look) {
   if (any_trusted && all_refused)
     dispute(look);
   else
-    forget_dispute();
-  if (!dispute_) way_ += 0.5 * std::abs(look.expected[0] + look.expected[1]) * look.seconds();
+    end_dispute();
+  if (!dispute_) distance_ += 0.5 * std::abs(look.expected[0] + look.expected[1]) * look.seconds();
 }
 
 bool WheelWatch::finds_made_up(const inputs::WheelInterval& interval, double inertial_speed, double noise) {
@@ -40,19 +40,19 @@ bool WheelWatch::finds_made_up(const inputs::WheelInterval& interval, double ine
   if (!even_.made_up() || made_up_) return false;
   made_up_ = true;
   for (Wheel& wheel : wheels_) wheel = {.faulty = true, .evidence = {}};
-  forget_dispute();
+  end_dispute();
   return true;
 }
 
 void WheelWatch::judge_trusted(Wheel& wheel, std::size_t i, const WheelLook& look) const {
   const double seconds = look.refused[i] ? look.seconds() : -kForgiven * look.seconds();
-  wheel.refused = std::min(wheel.refused + seconds, config_.patience);
-  if (wheel.refused <= 0) {
+  wheel.refused_time = std::min(wheel.refused_time + seconds, config_.patience);
+  if (wheel.refused_time <= 0) {
     wheel = {};
     return;
   }
-  collect(wheel, i, look);
-  wheel.faulty = wheel.refused >= config_.patience && wheel.evidence.shows_multiple(kOneWrong);
+  add_evidence(wheel, i, look);
+  wheel.faulty = wheel.refused_time >= config_.patience && wheel.evidence.has_scale_error(kOneWrong);
 }
 
 void WheelWatch::judge_faulty(Wheel& wheel, std::size_t i, const WheelLook& look) const {
@@ -60,14 +60,14 @@ void WheelWatch::judge_faulty(Wheel& wheel, std::size_t i, const WheelLook& look
   const double expected = std::abs(look.expected[i]);
   const bool proves = expected > kLeastSpeed && look.sigma[i] < kSharp * expected;
   if (off > kFar * look.sigma[i] || (made_up_ && even_.even()))
-    wheel.agreed = 0;
+    wheel.agreed_time = 0;
   else if (off <= kNear * look.sigma[i] && proves)
-    wheel.agreed += look.seconds();
-  collect(wheel, i, look);
-  if (wheel.agreed >= kAgreement) wheel = {};
+    wheel.agreed_time += look.seconds();
+  add_evidence(wheel, i, look);
+  if (wheel.agreed_time >= kAgreement) wheel = {};
 }
 
-void WheelWatch::collect(Wheel& wheel, std::size_t i, const WheelLook& look) const {
+void WheelWatch::add_evidence(Wheel& wheel, std::size_t i, const WheelLook& look) const {
   wheel.evidence.fade(look.seconds());
   wheel.evidence.add({look.difference(i), look.expected[i], track_width_ * look.yaw_rate,
                       look.seconds() + WheelDispute::kBefore, look.seconds()});
@@ -76,47 +76,48 @@ void WheelWatch::collect(Wheel& wheel, std::size_t i, const WheelLook& look) con
 void WheelWatch::dispute(const WheelLook& look) {
   if (!dispute_) dispute_.emplace(WheelDispute::Settings{config_.patience, track_width_}, look.begin, recent_.leap());
   dispute_->add(look, {!faulty(0), !faulty(1)});
-  dispute_->note(recent_.leap());
+  dispute_->update_leap(recent_.leap());
 }
 
-WheelWatch::Finding WheelWatch::settle() {
-  if (!dispute_) return Finding::kFilter;
+WheelWatch::Finding WheelWatch::resolve_dispute() {
+  if (!dispute_) return Finding::kFilterWrong;
   const Finding finding = dispute_->finding();
-  if (finding == Finding::kNone) {
-    dispute_->await_more();
+  if (finding == Finding::kUndecided) {
+    dispute_->extend();
     return finding;
   }
-  if (finding == Finding::kWheels) astray_ = restored_ ? WheelDispute::Astray{} : dispute_->astray(way_);
+  if (finding == Finding::kWheelsWrong)
+    filter_error_ = filter_restored_ ? WheelDispute::FilterError{} : dispute_->filter_error(distance_);
   for (std::size_t i = 0; i < 2; ++i) {
     if (faulty(i)) continue;
     wheels_[i] = {};
-    if (finding == Finding::kWheels) wheels_[i] = {.faulty = true, .evidence = dispute_->evidence(i)};
+    if (finding == Finding::kWheelsWrong) wheels_[i] = {.faulty = true, .evidence = dispute_->evidence(i)};
   }
-  forget_dispute();
+  end_dispute();
   return finding;
 }
 
-void WheelWatch::forget_dispute() {
+void WheelWatch::end_dispute() {
   dispute_.reset();
-  restored_ = false;
+  filter_restored_ = false;
 }
 
-void WheelWatch::restored() {
+void WheelWatch::on_filter_restored() {
   interrupt();
-  restored_ = true;
+  filter_restored_ = true;
 }
 
-void WheelWatch::stand() {
+void WheelWatch::on_standstill() {
   interrupt();
-  way_ = 0;
+  distance_ = 0;
 }
 
 void WheelWatch::interrupt() {
-  forget_dispute();
+  end_dispute();
   recent_.interrupt();
 }
 
-bool WheelWatch::hides_motion() const {
+bool WheelWatch::standstill_unreliable() const {
   if (dispute_ && std::abs(dispute_->expected_speed()) > kMoving) return true;
   return all_faulty() && (std::abs(ratio(0)) < kFrozen || std::abs(ratio(1)) < kFrozen);
 }

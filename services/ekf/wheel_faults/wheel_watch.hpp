@@ -39,29 +39,29 @@ class WheelWatch {
   /// Call it where intervals are missing.
   void interrupt();
   /// The filter has returned to its belief without the wheels: as interrupt(), and the wheels have not pulled it off.
-  void restored();
+  void on_filter_restored();
   /// The vehicle stands: as interrupt(), and its speed is known.
-  void stand();
+  void on_standstill();
 
   using Finding = WheelDispute::Finding;
   /// Decides what is wrong after all wheels have been refused for the patience. If the wheels are, they are faulty from
-  /// now on. kNone: call again after another patience.
-  Finding settle();
+  /// now on. kUndecided: call again after another patience.
+  Finding resolve_dispute();
 
   [[nodiscard]] bool faulty(std::size_t wheel) const { return wheels_[wheel].faulty; }
   [[nodiscard]] bool all_faulty() const { return faulty(0) && faulty(1); }
   /// Both are faulty because they turn evenly whatever the vehicle does.
   [[nodiscard]] bool made_up() const { return made_up_; }
   /// m/s, the vehicle's change of speed by the IMU while they turned evenly.
-  [[nodiscard]] double hidden_change() const { return even_.change(); }
+  [[nodiscard]] double hidden_speed_change() const { return even_.change(); }
   /// A faulty wheel's speed as a multiple of the true one.
   [[nodiscard]] double ratio(std::size_t wheel) const { return wheels_[wheel].evidence.ratio(); }
   /// Whether wheels without travel do not prove a standstill: all trusted wheels are refused while the filter moves, or
   /// all are faulty and one of them does not turn.
-  [[nodiscard]] bool hides_motion() const;
+  [[nodiscard]] bool standstill_unreliable() const;
   /// How far the wheels that were last found faulty (all of them) may have pulled the filter off since the vehicle
   /// stood.
-  [[nodiscard]] const WheelDispute::Astray& astray() const { return astray_; }
+  [[nodiscard]] const WheelDispute::FilterError& filter_error() const { return filter_error_; }
 
   static constexpr double kAgreement = 5.0;  ///< s of driving after which a wheel is trusted again
   static constexpr double kFrozen = WheelDispute::kFrozen;
@@ -69,15 +69,15 @@ class WheelWatch {
  private:
   struct Wheel {
     bool faulty = false;
-    double refused = 0.0;    // s, minus half of the time in between; at most the patience
-    double agreed = 0.0;     // s, since it was found faulty
-    WheelEvidence evidence;  // since it was first refused
+    double refused_time = 0.0;  // s, minus half of the time in between; at most the patience
+    double agreed_time = 0.0;   // s, since it was found faulty
+    WheelEvidence evidence;     // since it was first refused
   };
   void judge_trusted(Wheel& wheel, std::size_t i, const WheelLook& look) const;
   void judge_faulty(Wheel& wheel, std::size_t i, const WheelLook& look) const;
-  void collect(Wheel& wheel, std::size_t i, const WheelLook& look) const;
+  void add_evidence(Wheel& wheel, std::size_t i, const WheelLook& look) const;
   void dispute(const WheelLook& look);
-  void forget_dispute();
+  void end_dispute();
 
   base::SlipConfig config_;
   double track_width_;  // m
@@ -86,9 +86,9 @@ class WheelWatch {
   EvenWheels even_;
   bool made_up_ = false;
   RecentSpeeds recent_;
-  double way_ = 0;         // m, driven by the filter's estimate since the vehicle stood, without disputes
-  bool restored_ = false;  // since the wheels last agreed
-  WheelDispute::Astray astray_;
+  double distance_ = 0;           // m, driven by the filter's estimate since the vehicle stood, without disputes
+  bool filter_restored_ = false;  // since the wheels last agreed
+  WheelDispute::FilterError filter_error_;
 };
 
 }  // namespace curbstone::ekf::wheel_faults

@@ -206,7 +206,7 @@ class BadBus {
         settle_.begin(arrived_);
       }
       if (!stamp.sure) {
-        odometer_.pass(0.01 * stamp.steps);
+        odometer_.skip(0.01 * stamp.steps);
       } else if (odometer_.update(had, 0.01 * stamp.steps)) {
         settle_.pass({stamp.utime, was_taken}, arrived_, stamp.earlier,
                      [&](Published& published) { judge(published); });

@@ -159,7 +159,7 @@ TEST(WheelCounterTest, PeriodsOfRefusedSamplesAreNoneOfTheNextOnes) {
   odometer.update({0, 0}, 0);
   odometer.update({100, -100}, 0.01);
   EXPECT_FALSE(odometer.update({1 << 30, -200}, 0.01));
-  odometer.pass(0.01);
+  odometer.skip(0.01);
   EXPECT_EQ(odometer.likely_periods({400, -400}, 1, 2, 0.01), 1);
   EXPECT_EQ(odometer.likely_periods({500, -500}, 1, 2, 0.01), 2);
 }

@@ -17,7 +17,7 @@ constexpr std::int64_t kStart = 1000 * kSecond;
 std::vector<std::string> look(Heartbeats& heartbeats, std::int64_t from, std::int64_t to) {
   std::vector<std::string> all;
   for (std::int64_t now = from; now <= to; now += kSecond / 2)
-    for (const std::string& id : heartbeats.take_silent(now)) all.push_back(id);
+    for (const std::string& id : heartbeats.take_timed_out(now)) all.push_back(id);
   return all;
 }
 
@@ -25,7 +25,7 @@ TEST(Heartbeats, ACommandThatSpeaksIsLeftAlone) {
   Heartbeats heartbeats;
   heartbeats.begin("a", 3, kStart);
   for (std::int64_t now = kStart; now < kStart + 100 * kSecond; now += kSecond) {
-    heartbeats.hear("a", true, now);
+    heartbeats.on_status("a", true, now);
     EXPECT_THAT(look(heartbeats, now, now + kSecond / 2), IsEmpty());
   }
 }
@@ -33,11 +33,11 @@ TEST(Heartbeats, ACommandThatSpeaksIsLeftAlone) {
 TEST(Heartbeats, ACommandThatFallsSilentIsTakenOnce) {
   Heartbeats heartbeats;
   heartbeats.begin("a", 3, kStart);
-  heartbeats.hear("a", true, kStart + kSecond);
+  heartbeats.on_status("a", true, kStart + kSecond);
   EXPECT_THAT(look(heartbeats, kStart + kSecond, kStart + 4 * kSecond), IsEmpty());
   EXPECT_THAT(look(heartbeats, kStart + 4 * kSecond, kStart + 60 * kSecond), ElementsAre("a"));
   heartbeats.begin("a", 3, kStart + 61 * kSecond);
-  heartbeats.hear("a", true, kStart + 61 * kSecond);
+  heartbeats.on_status("a", true, kStart + 61 * kSecond);
   EXPECT_THAT(look(heartbeats, kStart + 61 * kSecond, kStart + 70 * kSecond), ElementsAre("a")) << "its next life";
 }
 
@@ -52,7 +52,7 @@ TEST(Heartbeats, TheFirstWordMayTakeHalfAMinute) {
 TEST(Heartbeats, WhileTheDeputyItselfSleepsNobodyIsHeldSilent) {
   Heartbeats heartbeats;
   heartbeats.begin("a", 3, kStart);
-  heartbeats.hear("a", true, kStart);
+  heartbeats.on_status("a", true, kStart);
   EXPECT_THAT(look(heartbeats, kStart, kStart + 2 * kSecond), IsEmpty());
   EXPECT_THAT(look(heartbeats, kStart + 100 * kSecond, kStart + 101 * kSecond), IsEmpty());
   EXPECT_THAT(look(heartbeats, kStart + 101 * kSecond, kStart + 105 * kSecond), ElementsAre("a"));
@@ -62,19 +62,19 @@ TEST(Heartbeats, WhileTheDeputyDoesNotHearItselfTheBusIsSilentAndNotTheCommands)
   Heartbeats heartbeats;
   heartbeats.begin("a", 3, kStart);
   for (int i = 0; i < 3; ++i) {
-    heartbeats.hear_itself(kStart + i * kSecond);
-    heartbeats.hear("a", true, kStart + i * kSecond);
+    heartbeats.on_own_status(kStart + i * kSecond);
+    heartbeats.on_status("a", true, kStart + i * kSecond);
     EXPECT_THAT(look(heartbeats, kStart + i * kSecond, kStart + i * kSecond + kSecond / 2), IsEmpty());
   }
   EXPECT_THAT(look(heartbeats, kStart + 3 * kSecond, kStart + 60 * kSecond), IsEmpty());
-  EXPECT_TRUE(heartbeats.is_deaf(kStart + 60 * kSecond));
-  EXPECT_THAT(heartbeats.quiet(kStart + 60 * kSecond), IsEmpty());
+  EXPECT_TRUE(heartbeats.is_bus_silent(kStart + 60 * kSecond));
+  EXPECT_THAT(heartbeats.overdue(kStart + 60 * kSecond), IsEmpty());
 
-  heartbeats.hear_itself(kStart + 60 * kSecond);
-  EXPECT_FALSE(heartbeats.is_deaf(kStart + 60 * kSecond));
+  heartbeats.on_own_status(kStart + 60 * kSecond);
+  EXPECT_FALSE(heartbeats.is_bus_silent(kStart + 60 * kSecond));
   std::vector<std::string> silent;
   for (int i = 60; i < 70; ++i) {
-    heartbeats.hear_itself(kStart + i * kSecond);
+    heartbeats.on_own_status(kStart + i * kSecond);
     for (const std::string& id : look(heartbeats, kStart + i * kSecond, kStart + i * kSecond + kSecond / 2))
       silent.push_back(id);
     if (i <= 62) {
@@ -89,11 +89,11 @@ TEST(Heartbeats, ReadyIsWhoHasSaidThatNothingIsWrong) {
   EXPECT_TRUE(heartbeats.ready("nobody")) << "who is not watched need not speak";
   heartbeats.begin("a", 3, kStart);
   EXPECT_FALSE(heartbeats.ready("a"));
-  heartbeats.hear("a", false, kStart);
+  heartbeats.on_status("a", false, kStart);
   EXPECT_TRUE(heartbeats.alive("a"));
   EXPECT_FALSE(heartbeats.ready("a"));
-  heartbeats.hear("a", true, kStart);
-  heartbeats.hear("a", false, kStart);
+  heartbeats.on_status("a", true, kStart);
+  heartbeats.on_status("a", false, kStart);
   EXPECT_TRUE(heartbeats.ready("a"));
   heartbeats.begin("a", 3, kStart);
   EXPECT_FALSE(heartbeats.ready("a")) << "in its next life it has said nothing yet";
@@ -103,20 +103,20 @@ TEST(Heartbeats, ACommandThatFallsSilentIsNamedWhileItIsAndBeforeItIsTaken) {
   Heartbeats heartbeats;
   heartbeats.begin("a", 10, kStart);
   heartbeats.begin("b", 10, kStart);
-  EXPECT_THAT(heartbeats.quiet(kStart + 9 * kSecond), IsEmpty()) << "it may take long to begin";
-  heartbeats.hear("a", true, kStart);
-  heartbeats.hear("b", true, kStart);
-  heartbeats.hear("b", true, kStart + 3 * kSecond);
-  EXPECT_THAT(heartbeats.quiet(kStart + 2 * kSecond), IsEmpty());
-  EXPECT_THAT(heartbeats.quiet(kStart + 4 * kSecond), ElementsAre(std::pair<std::string, double>("a", 4)));
-  heartbeats.hear("a", true, kStart + 5 * kSecond);
-  EXPECT_THAT(heartbeats.quiet(kStart + 5 * kSecond), IsEmpty());
+  EXPECT_THAT(heartbeats.overdue(kStart + 9 * kSecond), IsEmpty()) << "it may take long to begin";
+  heartbeats.on_status("a", true, kStart);
+  heartbeats.on_status("b", true, kStart);
+  heartbeats.on_status("b", true, kStart + 3 * kSecond);
+  EXPECT_THAT(heartbeats.overdue(kStart + 2 * kSecond), IsEmpty());
+  EXPECT_THAT(heartbeats.overdue(kStart + 4 * kSecond), ElementsAre(std::pair<std::string, double>("a", 4)));
+  heartbeats.on_status("a", true, kStart + 5 * kSecond);
+  EXPECT_THAT(heartbeats.overdue(kStart + 5 * kSecond), IsEmpty());
 }
 
 TEST(Heartbeats, StrangersAndTheUnwatchedAreIgnored) {
   Heartbeats heartbeats;
   heartbeats.begin("a", 0, kStart);
-  heartbeats.hear("b", true, kStart);
+  heartbeats.on_status("b", true, kStart);
   EXPECT_THAT(look(heartbeats, kStart, kStart + 100 * kSecond), IsEmpty());
 }
 

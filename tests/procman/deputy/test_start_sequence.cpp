@@ -42,11 +42,11 @@ TEST(StartSequence, GoesOnWithoutOneThatDoesNotComeUp) {
 
 TEST(StartSequence, OfOneStageOrNoneIsSoonOver) {
   std::vector<std::string> ids;
-  const StartSequence::Hands hands{[&](const std::string& id) { ids.push_back(id); },
-                                   [](const auto&) { return false; }};
-  EXPECT_TRUE(StartSequence({{"a", "b"}}, hands).step(1));
+  const StartSequence::Callbacks callbacks{[&](const std::string& id) { ids.push_back(id); },
+                                           [](const auto&) { return false; }};
+  EXPECT_TRUE(StartSequence({{"a", "b"}}, callbacks).step(1));
   EXPECT_THAT(ids, ElementsAre("b", "a"));
-  EXPECT_TRUE(StartSequence({}, hands).step(1));
+  EXPECT_TRUE(StartSequence({}, callbacks).step(1));
 }
 
 }  // namespace

@@ -66,12 +66,12 @@ TEST(LostHeadingTest, ThePlaceIsLostWithTheWayAndNotBeforeTheHeadingIs) {
   model::Belief belief = belief_on_a_slope();
   const model::Belief before = belief;
   LostHeading heading;
-  heading.drive(belief, 10.0);
+  heading.propagate(belief, 10.0);
   EXPECT_EQ(belief.covariance, before.covariance);
 
   heading.lose();
   EXPECT_TRUE(heading.lost());
-  for (int i = 0; i < 10; ++i) heading.drive(belief, i % 2 == 0 ? 1.0 : -1.0);
+  for (int i = 0; i < 10; ++i) heading.propagate(belief, i % 2 == 0 ? 1.0 : -1.0);
   const double variance = heading_sigma(before) * heading_sigma(before);
   const double expected = 0.5 * variance * 10.0;  // 1 - cos of the heading's error, of the way
   EXPECT_NEAR(std::sqrt(belief.covariance(0, 0)), expected, 0.01 * expected);

@@ -193,7 +193,7 @@ TEST_P(StuckGyro, LeavesABiasToWhoInherits) {
   Filter filter{base::EkfConfig()};
   const auto out = run(filter, drive);
   ASSERT_TRUE(filter.axes().lost(axis));
-  const model::Belief left = filter.axes().with_biases(filter.belief());
+  const model::Belief left = filter.axes().with_restored_biases(filter.belief());
   EXPECT_LT(left.mean.gyro_bias.norm(), 0.002);
   EXPECT_NEAR(std::sqrt(left.covariance(model::kGyroBias + axis, model::kGyroBias + axis)), 0.005, 1e-6);
   EXPECT_LT(out.back().gyro_bias.norm(), 0.002);

@@ -91,7 +91,7 @@ TEST_F(LoneSamplesTest, OneOfAHundredIsRefusedForAsLongAsItTakes) {
     samples_.add(sample);
   }
   EXPECT_EQ(samples_.refused(), bad);
-  EXPECT_NEAR(static_cast<double>(samples_.lately()), 60.0, 1.0);
+  EXPECT_NEAR(static_cast<double>(samples_.rejected_last_minute()), 60.0, 1.0);
 }
 
 TEST_F(LoneSamplesTest, OneBeforeAGapAndALateOneAreNoMeasureOfEachOther) {

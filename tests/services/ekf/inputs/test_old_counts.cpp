@@ -32,7 +32,7 @@ std::vector<base::WheelSample> counted(double seconds, const std::function<doubl
 std::size_t count_old(const std::vector<base::WheelSample>& samples, std::size_t from = 0) {
   OldCounts old_counts;
   std::size_t old = 0;
-  for (std::size_t i = 0; i < samples.size(); ++i) old += old_counts.is_old(samples[i]) && i >= from ? 1U : 0U;
+  for (std::size_t i = 0; i < samples.size(); ++i) old += old_counts.is_stale(samples[i]) && i >= from ? 1U : 0U;
   return old;
 }
 
@@ -75,7 +75,7 @@ TEST(OldCounts, OfWheelsThatAreRenewedByTurnsBothAreNewInEachSampleThatIsUsed) {
   int used = 0;
   for (const base::WheelSample& sample : counted(
            6, [](double) { return 10.0; }, 10, 5)) {
-    if (old_counts.is_old(sample)) continue;
+    if (old_counts.is_stale(sample)) continue;
     if (before && sample.utime > 2'000'000) {
       ++used;
       for (std::size_t i = 0; i < 2; ++i) {
@@ -95,7 +95,7 @@ TEST(OldCounts, AStopIsSeenAfterAPeriodWithoutAChange) {
   std::array<double, 2> angle = {};
   for (const base::WheelSample& sample : counted(12, sets_off_and_stops, 10)) {
     if (sample.angle != angle) stopped = sample.utime;
-    const bool old = old_counts.is_old(sample);
+    const bool old = old_counts.is_stale(sample);
     if (!old && sample.angle == angle && sample.utime > 8'000'000 && believed == 0) believed = sample.utime;
     angle = sample.angle;
   }
@@ -109,7 +109,7 @@ TEST(OldCounts, AWheelThatIsBrokenHoldsBackNothingForLong) {
   for (base::WheelSample& sample : counted(
            6, [](double) { return 17.0; }, 1)) {
     if (sample.utime > 3'000'000) sample.angle[0] = 5.0;
-    if (!old_counts.is_old(sample) && sample.utime > 3'400'000) ++used;
+    if (!old_counts.is_stale(sample) && sample.utime > 3'400'000) ++used;
   }
   EXPECT_EQ(used, 359);
 }
@@ -118,7 +118,7 @@ TEST(OldCounts, ACoarseCounterLosesNoTravel) {
   OldCounts old_counts;
   base::WheelSample last;
   for (const base::WheelSample& sample : counted(12, sets_off_and_stops, 1, 0, 2 * M_PI / 90)) {
-    if (!old_counts.is_old(sample)) last = sample;
+    if (!old_counts.is_stale(sample)) last = sample;
   }
   EXPECT_EQ(last.utime, 1'000'000 + 1199 * kEachSample) << "at rest all samples are used";
 }
@@ -127,8 +127,8 @@ TEST(OldCounts, ASampleOfBeforeIsNotJudged) {
   OldCounts old_counts;
   for (const base::WheelSample& sample : counted(
            3, [](double) { return 17.0; }, 1))
-    (void)old_counts.is_old(sample);
-  EXPECT_FALSE(old_counts.is_old({1'500'000, {0, 0}}));
+    (void)old_counts.is_stale(sample);
+  EXPECT_FALSE(old_counts.is_stale({1'500'000, {0, 0}}));
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ class RunningClockTest : public ::testing::Test {
   void add(Sensor sensor, std::int64_t at, std::int64_t set_by) {
     const auto utime = clock_.add(sensor, kStart + at + set_by, i_);
     if (!utime) ++dropped_;
-    const bool ahead = sensor == Sensor::kWheels && set_by > clock_.set_by() + 1'000;  // the node lets them go
+    const bool ahead = sensor == Sensor::kWheels && set_by > clock_.offset() + 1'000;  // the node lets them go
     if (ahead) {
       ++ahead_;
     } else if (utime) {
@@ -45,7 +45,7 @@ TEST_F(RunningClockTest, LeavesWhatRunsOnAsItIs) {
   i_ += 70;  // both were silent, or lost
   drive(5, 0, 0);
   EXPECT_EQ(dropped_, 0);
-  EXPECT_EQ(clock_.set_by(), 0);
+  EXPECT_EQ(clock_.offset(), 0);
 }
 
 TEST_F(RunningClockTest, TakesOutStepsBackAndForthWhicheverSensorIsSetFirst) {
@@ -59,7 +59,7 @@ TEST_F(RunningClockTest, TakesOutStepsBackAndForthWhicheverSensorIsSetFirst) {
     }
     set += step;
     drive(3, set, set);
-    EXPECT_NEAR(static_cast<double>(clock_.set_by()), static_cast<double>(set), 10) << step;
+    EXPECT_NEAR(static_cast<double>(clock_.offset()), static_cast<double>(set), 10) << step;
   }
   EXPECT_EQ(clock_.counters().values().at("clock_set.imu"), 6);
   EXPECT_EQ(clock_.counters().values().at("clock_set.wheels"), 3) << "forward they go with the IMU";
@@ -90,7 +90,7 @@ TEST_F(RunningClockTest, AnImuThatWasSilentIsNotSetForward) {
       EXPECT_EQ(out.value_or(kStart + i * kPeriod), kStart + i * kPeriod);
     }
     EXPECT_LE(dropped, 11);
-    EXPECT_EQ(clock.set_by(), 0);
+    EXPECT_EQ(clock.offset(), 0);
     EXPECT_FALSE(clock.counters().values().contains("clock_set.imu"));
   }
 }
@@ -135,7 +135,7 @@ TEST_F(RunningClockTest, IsNotFooled) {
     const std::int64_t utime = kStart + (2060 + i) * kPeriod;
     ASSERT_EQ(clock_.add(Sensor::kImu, utime, i), utime);
   }
-  EXPECT_EQ(clock_.set_by(), 0);
+  EXPECT_EQ(clock_.offset(), 0);
 }
 
 /// StampGuard has those.

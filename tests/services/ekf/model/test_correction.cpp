@@ -51,8 +51,8 @@ TEST_F(CorrectionTest, AnOutlierLosesItsWeightButNotItsDirection) {
   z.residual[0] = 1.0;
   Observation far = z;
   far.residual[0] = 100.0;
-  EXPECT_TRUE(soften_beyond(kGate1, belief, z));
-  EXPECT_FALSE(soften_beyond(kGate1, belief, far));
+  EXPECT_TRUE(inflate_noise_beyond(kGate1, belief, z));
+  EXPECT_FALSE(inflate_noise_beyond(kGate1, belief, far));
   EXPECT_EQ(z.R(0, 0), 1.0);
   EXPECT_GT(far.R(0, 0), 100.0);
 }

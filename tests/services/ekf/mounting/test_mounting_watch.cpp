@@ -72,7 +72,7 @@ Verdicts watch(MountingWatch& watch, const Drive& drive) {
     v.forward |= watch.missing_yaw().has_value();
     v.turn_scale |= watch.wrong_turn_scale().has_value();
     v.hand |= watch.mirrored().has_value();
-    v.lying |= watch.lying_gyro().has_value();
+    v.lying |= watch.wrong_gyro_up().has_value();
   });
   return v;
 }
@@ -190,11 +190,11 @@ TEST(MountingWatchTest, AGyroThatLiesIsReportedInTheFirstBend) {
         double found = 0.0;
         feed(drive, [&](const auto& sample) {
           of.add(sample);
-          if (found == 0.0 && of.lying_gyro()) found = base::seconds_between(drive.imu.front().utime, sample.utime);
+          if (found == 0.0 && of.wrong_gyro_up()) found = base::seconds_between(drive.imu.front().utime, sample.utime);
         });
         std::printf("[ figure ] town %u at 3 m/s: a lying gyro found after %.0f s\n", number, found);
-        ASSERT_TRUE(of.lying_gyro()) << number << ' ' << axis;
-        EXPECT_LT((*of.lying_gyro() - sign * Eigen::Vector3d::Unit(axis)).norm(), 1e-9);
+        ASSERT_TRUE(of.wrong_gyro_up()) << number << ' ' << axis;
+        EXPECT_LT((*of.wrong_gyro_up() - sign * Eigen::Vector3d::Unit(axis)).norm(), 1e-9);
         EXPECT_TRUE(of.gyro_is_wrong());
         EXPECT_LT(found, 60);
       }

@@ -43,7 +43,7 @@ TEST(WheelWatchTest, AWheelThatIsRefusedForThePatienceIsFaulty) {
   EXPECT_TRUE(drive.watch.faulty(0));
   EXPECT_FALSE(drive.watch.faulty(1));
   EXPECT_NEAR(drive.watch.ratio(0), 0, 1e-9);
-  EXPECT_FALSE(drive.watch.hides_motion());
+  EXPECT_FALSE(drive.watch.standstill_unreliable());
 }
 
 TEST(WheelWatchTest, SlipThatEndsIsNoFault) {
@@ -102,12 +102,12 @@ TEST(WheelWatchTest, BothThatShowAMultipleOfTheSpeedAreFaulty) {
     Drive drive;
     drive.run(10, {3, 3}, 3);
     drive.run(5.2, {3 * k, 3 * k}, 3);
-    EXPECT_EQ(drive.watch.hides_motion(), true);
-    EXPECT_EQ(drive.watch.settle(), Finding::kWheels) << k;
+    EXPECT_EQ(drive.watch.standstill_unreliable(), true);
+    EXPECT_EQ(drive.watch.resolve_dispute(), Finding::kWheelsWrong) << k;
     EXPECT_TRUE(drive.watch.all_faulty());
     EXPECT_NEAR(drive.watch.ratio(1), k, 0.01);
-    EXPECT_EQ(drive.watch.hides_motion(), k == 0.0);
-    EXPECT_EQ(drive.watch.astray().speed, 0.0) << "they went astray at a stroke";
+    EXPECT_EQ(drive.watch.standstill_unreliable(), k == 0.0);
+    EXPECT_EQ(drive.watch.filter_error().speed, 0.0) << "they went astray at a stroke";
   }
 }
 
@@ -116,7 +116,7 @@ TEST(WheelWatchTest, BothThatShowWhatAWrongRadiusShowsAreNot) {
     Drive drive;
     drive.run(10, {3, 3}, 3);
     drive.run(5.2, {3 * k, 3 * k}, 3);
-    EXPECT_EQ(drive.watch.settle(), Finding::kFilter) << k;
+    EXPECT_EQ(drive.watch.resolve_dispute(), Finding::kFilterWrong) << k;
     EXPECT_FALSE(drive.watch.faulty(0) || drive.watch.faulty(1)) << k;
   }
 }
@@ -127,7 +127,7 @@ TEST(WheelWatchTest, AFilterThatDriftsAwayEvenlyIsWrongItself) {
     Drive drive;
     drive.run(10, {3, 3}, 3);
     for (int i = 0; i < 104; ++i) drive.step({3, 3}, 3 + drift * 0.05 * i);
-    EXPECT_EQ(drive.watch.settle(), Finding::kFilter) << drift;
+    EXPECT_EQ(drive.watch.resolve_dispute(), Finding::kFilterWrong) << drift;
     EXPECT_FALSE(drive.watch.faulty(0) || drive.watch.faulty(1));
   }
 }
@@ -138,7 +138,7 @@ TEST(WheelWatchTest, AFilterThatDriftsAwayAndStaysIsWrongItself) {
     Drive drive;
     drive.run(10, {0.3, 0.3}, 0.3);
     for (int i = 0; i < 104; ++i) drive.step({0.33, 0.3}, 0.3 + far * std::tanh(0.025 * i));
-    EXPECT_EQ(drive.watch.settle(), Finding::kFilter) << far;
+    EXPECT_EQ(drive.watch.resolve_dispute(), Finding::kFilterWrong) << far;
   }
 }
 
@@ -146,7 +146,7 @@ TEST(WheelWatchTest, AFilterWhoseImuWasHitIsWrongItself) {
   Drive drive;
   drive.run(10, {3, 3}, 3);
   drive.run(5.2, {3, 3}, 5);
-  EXPECT_EQ(drive.watch.settle(), Finding::kFilter);
+  EXPECT_EQ(drive.watch.resolve_dispute(), Finding::kFilterWrong);
   EXPECT_FALSE(drive.watch.faulty(0) || drive.watch.faulty(1));
 }
 
@@ -154,7 +154,7 @@ TEST(WheelWatchTest, StampsThatJitterAreNoFaultOfTheWheels) {
   Drive drive;
   drive.run(10, {3, 3}, 3);
   for (int i = 0; i < 104; ++i) drive.step(i % 2 == 0 ? std::array{4.2, 4.2} : std::array{1.8, 1.8}, 3);
-  EXPECT_EQ(drive.watch.settle(), Finding::kFilter);
+  EXPECT_EQ(drive.watch.resolve_dispute(), Finding::kFilterWrong);
 }
 
 TEST(WheelWatchTest, WithoutEvidenceOfAllTheTimeNoWheelIsFaulty) {
@@ -163,16 +163,16 @@ TEST(WheelWatchTest, WithoutEvidenceOfAllTheTimeNoWheelIsFaulty) {
   drive.run(3, {0, 0}, 3);
   drive.watch.interrupt();  // samples were missing
   drive.run(2.2, {0, 0}, 3);
-  EXPECT_EQ(drive.watch.settle(), Finding::kFilter);
+  EXPECT_EQ(drive.watch.resolve_dispute(), Finding::kFilterWrong);
   drive.watch.interrupt();
-  EXPECT_EQ(drive.watch.settle(), Finding::kFilter);
+  EXPECT_EQ(drive.watch.resolve_dispute(), Finding::kFilterWrong);
 }
 
 TEST(WheelWatchTest, WheelsThatAreWrongEachInItsWayAreBothFaulty) {
   Drive drive;
   drive.run(10, {3, 3}, 3);
   drive.run(5.2, {0, 6}, 3);
-  EXPECT_EQ(drive.watch.settle(), Finding::kWheels);
+  EXPECT_EQ(drive.watch.resolve_dispute(), Finding::kWheelsWrong);
   EXPECT_NEAR(drive.watch.ratio(0), 0, 0.01);
   EXPECT_NEAR(drive.watch.ratio(1), 2, 0.01);
 }
