@@ -3,7 +3,7 @@
 #include <stdexcept>
 
 #include "drivers/lidar/angles_file.hpp"
-#include "tests/fuzz/memory_file.hpp"
+#include "tests/fuzz/support/memory_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace curbstone;

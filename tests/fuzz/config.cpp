@@ -15,8 +15,8 @@
 #include "services/recorder/recorder_config.hpp"
 #include "services/semantic_map/semantic_map_config.hpp"
 #include "services/tensor_voting/worker/tensor_voting_config.hpp"
-#include "tests/fuzz/input.hpp"
-#include "tests/fuzz/require.hpp"
+#include "tests/fuzz/support/input.hpp"
+#include "tests/fuzz/support/require.hpp"
 
 namespace curbstone::fuzz {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/bus/channel_filter.hpp"
-#include "tests/fuzz/input.hpp"
-#include "tests/fuzz/require.hpp"
+#include "tests/fuzz/support/input.hpp"
+#include "tests/fuzz/support/require.hpp"
 
 namespace curbstone::fuzz {
 namespace {

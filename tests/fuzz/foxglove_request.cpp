@@ -1,6 +1,6 @@
 // What a client of the door for Foxglove says: any text.
 #include "services/viewer/foxglove/wire.hpp"
-#include "tests/fuzz/require.hpp"
+#include "tests/fuzz/support/require.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace curbstone;

@@ -4,7 +4,7 @@
 #include "common/packing/spill_file.hpp"
 #include "services/mapper/journal/journal_file.hpp"
 #include "services/mapper/mapper.hpp"
-#include "tests/fuzz/memory_file.hpp"
+#include "tests/fuzz/support/memory_file.hpp"
 
 namespace {
 

@@ -2,7 +2,7 @@
 #include <stdexcept>
 
 #include "common/log/log_reader.hpp"
-#include "tests/fuzz/memory_file.hpp"
+#include "tests/fuzz/support/memory_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace curbstone;

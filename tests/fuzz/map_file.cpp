@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "services/semantic_map/store/map_store.hpp"
-#include "tests/fuzz/input.hpp"
-#include "tests/fuzz/require.hpp"
+#include "tests/fuzz/support/input.hpp"
+#include "tests/fuzz/support/require.hpp"
 
 namespace {
 

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "services/mapper/storage/map_folder.hpp"
-#include "tests/fuzz/input.hpp"
-#include "tests/fuzz/require.hpp"
+#include "tests/fuzz/support/input.hpp"
+#include "tests/fuzz/support/require.hpp"
 
 namespace {
 

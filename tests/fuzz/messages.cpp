@@ -25,8 +25,8 @@
 
 #include "common/bus/decode.hpp"
 #include "common/message_types/field_values.hpp"
-#include "tests/fuzz/message.hpp"
-#include "tests/fuzz/require.hpp"
+#include "tests/fuzz/support/message.hpp"
+#include "tests/fuzz/support/require.hpp"
 
 namespace curbstone::fuzz {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "common/bus/local_bus.hpp"
 #include "drivers/encoder/modbus_node.hpp"
-#include "tests/fuzz/input.hpp"
-#include "tests/fuzz/require.hpp"
+#include "tests/fuzz/support/input.hpp"
+#include "tests/fuzz/support/require.hpp"
 
 namespace curbstone::fuzz {
 namespace {

@@ -30,9 +30,9 @@
 #include "services/semantic_map/semantic_map_node.hpp"
 #include "services/tensor_voting/worker/tensor_voting_config.hpp"
 #include "services/tensor_voting/worker/tensor_voting_node.hpp"
-#include "tests/fuzz/message.hpp"
-#include "tests/fuzz/require.hpp"
 #include "tests/fuzz/seeds/good_drive.hpp"
+#include "tests/fuzz/support/message.hpp"
+#include "tests/fuzz/support/require.hpp"
 
 namespace curbstone::fuzz {
 namespace {

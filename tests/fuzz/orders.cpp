@@ -8,9 +8,9 @@
 #include "common/bus/local_bus.hpp"
 #include "common/shell/event_loop.hpp"
 #include "procman/deputy/deputy.hpp"
-#include "tests/fuzz/input.hpp"
-#include "tests/fuzz/message.hpp"
-#include "tests/fuzz/require.hpp"
+#include "tests/fuzz/support/input.hpp"
+#include "tests/fuzz/support/message.hpp"
+#include "tests/fuzz/support/require.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace curbstone;

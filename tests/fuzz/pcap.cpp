@@ -4,7 +4,7 @@
 #include "common/bus/local_bus.hpp"
 #include "drivers/lidar/packet_feed.hpp"
 #include "drivers/lidar/sources/capture_contents.hpp"
-#include "tests/fuzz/memory_file.hpp"
+#include "tests/fuzz/support/memory_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace curbstone;

@@ -3,8 +3,8 @@
 
 #include "procman/config/config.hpp"
 #include "procman/config/exec_line.hpp"
-#include "tests/fuzz/input.hpp"
-#include "tests/fuzz/require.hpp"
+#include "tests/fuzz/support/input.hpp"
+#include "tests/fuzz/support/require.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace curbstone::procman::config;

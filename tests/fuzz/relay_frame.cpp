@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "tests/fuzz/require.hpp"
+#include "tests/fuzz/support/require.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace curbstone;

@@ -1,8 +1,8 @@
 // A serial CAN adapter: any bytes from it. A frame that is read is written as the same line. Input, repeated: time
 // since the piece before (2 bytes, 10 us), length (2 bytes), piece.
 #include "drivers/encoder/can/slcan_channel.hpp"
-#include "tests/fuzz/input.hpp"
-#include "tests/fuzz/require.hpp"
+#include "tests/fuzz/support/input.hpp"
+#include "tests/fuzz/support/require.hpp"
 
 namespace curbstone::fuzz {
 namespace {

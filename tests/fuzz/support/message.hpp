@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "common/bus/local_bus.hpp"
-#include "tests/fuzz/input.hpp"
+#include "tests/fuzz/support/input.hpp"
 
 namespace curbstone::fuzz {
 
