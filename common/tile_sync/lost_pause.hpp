@@ -4,10 +4,10 @@
 
 namespace curbstone {
 
-/// A vehicle that is lost maps nothing, and the map that it goes on with may be another one: the mapper begins a new
-/// drive where it is not found. So each stage of the map computes and publishes then what it would else leave to the
-/// end of the drive, if that is not too much: the mapper after 2 s, the voters after 4 s, semantic_map after 6 s. A
-/// value, pure.
+/// A lost vehicle maps nothing, and the mapper may begin a new drive with another map. Therefore each stage then
+/// computes and publishes what it would otherwise leave to the end of the drive, unless that is too much: the mapper
+/// after 6 s, the voters after 8 s, semantic_map after 10 s; a new drive begins after 12 s at the earliest. A value,
+/// pure.
 class LostPause {
  public:
   /// `after`: us of MAP_POSE.

@@ -13,7 +13,7 @@ constexpr std::int64_t kMostRemovals = 400'000;      // records of what has gone
 constexpr double kStandsStill = 0.5;                 // s without a motion, from which a vehicle without odometry stands
 constexpr std::int64_t kSearchPeriod = 500'000;      // us between two searches for where the vehicle is,
 constexpr std::int64_t kSearchAnywhere = 2'000'000;  // and where it may be anywhere: that takes most of a second
-constexpr double kSettleAfter = 2;                   // s of that, after which what waits for more scans waits in vain
+constexpr double kSettleAfter = 6;                   // s of that, after which what waits for more scans waits in vain
 
 }  // namespace
 

@@ -68,7 +68,7 @@ TEST(MapperNewDrive, IsWantedWhereTheVehicleIsOutOfSightOfItsMapAndNothingToldHo
   EXPECT_EQ(drive.mapper->fix(), tracking::Fix::kLost);
   EXPECT_GE(drive.mapper->counters()["searches"], 6);
   EXPECT_EQ(drive.mapper->counters()["searches.found"], 0);
-  EXPECT_EQ(drive.dense().size(), points);
+  EXPECT_GT(drive.dense().size(), points) << "what waited for more scans has gone in, as at the end of a drive";
 }
 
 TEST(MapperNewDrive, IsWantedLaterWhereNothingTellsHowFarItGoes) {
