@@ -141,7 +141,7 @@ class Mapper {
   /// The drive's poses in order of time, one every few centimetres; a closed loop moves them. See
   /// Trajectory::points().
   [[nodiscard]] std::vector<TrajectoryPoint> trajectory() const { return trajectory_.points(atlas_); }
-  /// The same for the journal.
+  /// The same poses, as the journal records them.
   [[nodiscard]] std::vector<journal::RecordedPose> recorded() const;
 
  private:

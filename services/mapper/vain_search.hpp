@@ -31,10 +31,10 @@ class VainSearch {
 
  private:
   static constexpr double kLong = 12;          // s, about six searches of the whole map, and
-  static constexpr double kFar = 24;           // m by odometry; or,
+  static constexpr double kFar = 24;           // m by odometry, or
   static constexpr double kLongUnguided = 24;  // s without odometry
-  static constexpr double kLongestStep = 1;    // s between two scans
-  static constexpr double kMaxSpeed = 60;      // m/s
+  static constexpr double kLongestStep = 1;    // s between two scans that are counted
+  static constexpr double kMaxSpeed = 60;      // m/s; a faster one is a jump of the odom frame
 
   std::int64_t last_ = 0;  // us; 0: none
   std::optional<Eigen::Vector3d> in_odom_;

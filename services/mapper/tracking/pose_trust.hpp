@@ -17,7 +17,7 @@ enum class Fix {
 /// Computes Fix and the possible error of the pose from which scans fitted and how far the vehicle drove since. A
 /// value, pure.
 ///
-/// Counts: found, lost.blind, lost.refused, began_anew.
+/// Counters: found, lost.blind, lost.refused, began_anew.
 class PoseTrust {
  public:
   /// The result of one scan.

@@ -68,7 +68,7 @@ class ScanMatcher {
   config::RegistrationConfig config_;
   double max_speed_;
   Pose T_base_lidar_;
-  Eigen::AlignedBox3f own_body_;  ///< base_link
+  Eigen::AlignedBox3f own_body_;  ///< in base_link, m
   std::unique_ptr<registration::Registration> registration_;
 };
 
