@@ -13,22 +13,22 @@
 
 namespace curbstone::mapper {
 
-/// The drive's poses as they went out in the present epoch, for listeners that lack some: a process that was stopped,
-/// starved or killed for a while has lost what did not fit into its socket. Pages of ten seconds
-/// (common/tile_sync/drive_pages.hpp). Pure; one thread.
+/// Poses of the drive as published in the present epoch, for subscribers that lack some: a process that was stopped,
+/// starved or killed for a while has lost the messages that did not fit into its socket buffer. Kept in pages of ten
+/// seconds (common/tile_sync/drive_pages.hpp). Pure; one thread.
 class DriveLog {
  public:
-  static constexpr std::size_t kMostPages = 8640;  ///< a day; the oldest ones are forgotten
+  static constexpr std::size_t kMostPages = 8640;  ///< a day; the oldest pages are dropped
 
-  /// An epoch begins with the drive so far.
+  /// Begins an epoch with the poses of the drive so far.
   void start_epoch(std::int32_t epoch, const std::vector<TrajectoryPoint>& drive);
-  /// A pose goes out.
+  /// Adds a pose that is published.
   void add(const TrajectoryPoint& point);
 
   void request(const tile_request_t& message) { catalog_.request(message); }
-  /// A page that somebody lacks.
+  /// The next page that a subscriber has requested; nothing if none is outstanding.
   [[nodiscard]] std::optional<map_trajectory_t> take_requested();
-  /// What there is, newest pages first; nothing before the first pose.
+  /// Index of all pages, newest first; empty before the first pose.
   [[nodiscard]] std::vector<tile_index_t> make_index(std::int64_t now);
 
  private:
@@ -43,7 +43,7 @@ class DriveLog {
   std::map<TileKey, std::vector<LoggedPose>> pages_;
 };
 
-/// Poses of base_link in map as they go out, in order.
+/// Appends a pose of base_link in map to a page. Poses are appended in order of time.
 void append_pose(map_trajectory_t& page, std::int64_t utime, std::int32_t revolution, const Eigen::Vector3f& position,
                  const Eigen::Quaternionf& attitude);
 

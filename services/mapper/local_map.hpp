@@ -6,20 +6,20 @@
 
 namespace curbstone::mapper {
 
-/// The surroundings that scans are registered to. The atlas says which keyframes belong to them (those that are
-/// present), the tracker's registration map holds their points. Only this object changes either, so the two agree.
+/// The local map that scans are registered to. The atlas marks the keyframes that belong to it as present; the
+/// tracker's registration map holds their points. Only this object changes either of them, so they stay consistent.
 /// Pure; one thread.
 class LocalMap {
  public:
-  /// Both must outlive it.
+  /// `atlas` and `tracker` must outlive this object.
   LocalMap(pose_graph::Atlas& atlas, tracking::Tracker& tracker) : atlas_(atlas), tracker_(tracker) {}
 
-  /// The vehicle is at `position` (map, m): keyframes out of the window leave, those that come into it enter.
+  /// Moves the window to the vehicle's `position` (map, m): keyframes outside it leave, keyframes inside it enter.
   void follow(const Eigen::Vector3d& position);
-  /// The tracker began with an empty registration map: all keyframes leave.
+  /// Removes all keyframes: the tracker has begun an empty registration map.
   void leave();
-  /// Made anew from the keyframes about the vehicle, so far as drift has not displaced them from `reference`, the one
-  /// that it is at.
+  /// Rebuilds the local map from the keyframes around the vehicle. Keyframes that drift may have displaced from
+  /// `reference`, the keyframe that the vehicle is at, are left out.
   void rebuild(const Pose& T_map_base, int reference);
 
  private:

@@ -8,11 +8,11 @@ namespace curbstone::mapper {
 namespace {
 
 constexpr std::int32_t kPointsPerMessage = 3000;  // 7 bytes each: 21 kB, well under 48 kB
-constexpr std::int64_t kTurn = 20'000;            // us; and a turn after each scan
-constexpr std::int64_t kMostTurns = 13;           // at once: of a replay, which looks each 0.25 s
+constexpr std::int64_t kTurn = 20'000;            // us per turn; a call, as after each scan, covers one turn at least
+constexpr std::int64_t kMostTurns = 13;           // per call at most: a replay calls each 0.25 s
 constexpr int kMessagesInATurn = 150;
-constexpr int kPointsInATurn = 5000;         // 35 kB: 1.7 MB/s, the map of a vehicle at 3 m/s makes 0.25
-constexpr std::size_t kRequestsInATurn = 1;  // tiles, of some 8000 points at most
+constexpr int kPointsInATurn = 5000;         // 35 kB: 1.7 MB/s; mapping at 3 m/s needs 0.25 MB/s
+constexpr std::size_t kRequestsInATurn = 1;  // tiles, of about 8000 points at most
 
 std::deque<map_trajectory_t> make_trajectory_pages(const std::vector<TrajectoryPoint>& points, std::int32_t epoch) {
   std::deque<map_trajectory_t> pages;
@@ -90,15 +90,15 @@ void MapSender::send_changes(const dense_map::DenseMap& map, std::int64_t now) {
   sent_at_ = now;
   int messages = kMessagesInATurn * turns_;
   int points = kPointsInATurn * turns_;
-  std::vector<TileKey> unfinished;  // a large tile goes out in parts, and lets others in between
+  std::vector<TileKey> unfinished;  // a large tile is sent in parts, with other tiles in between
   while (messages > 0 && points > 0) {
     const std::optional<TileKey> key = changed_.pop();
     if (!key) break;
     const dense_map::DenseTile* tile = map.tile(*key);
-    if (tile == nullptr) continue;  // given up meanwhile
+    if (tile == nullptr) continue;  // evicted meanwhile
     const auto content = tile->read();
     --messages;
-    if (!content) continue;  // the disk does not give it back
+    if (!content) continue;  // cannot be read from the disk
     std::int32_t& sent = sent_[*key];
     const std::int32_t before = sent;
     const std::int32_t total = size_of(*content);

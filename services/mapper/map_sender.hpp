@@ -16,42 +16,43 @@
 
 namespace curbstone::mapper {
 
-/// Tells the bus of the dense map: MAP_POINTS as tiles grow, TILE_INDEX, what TILE_REQUESTs ask for, and of a map that
-/// was rearranged MAP_TRAJECTORY, the drive anew; parts of the drive that somebody lacks go out again. All at a bounded
-/// pace; what the map holds does not depend on it. One thread; the dense map must not change during a call.
+/// Publishes the dense map: MAP_POINTS as tiles grow, TILE_INDEX, and the tiles that TILE_REQUESTs ask for. With a new
+/// epoch it also publishes the drive so far as MAP_TRAJECTORY, and later again the pages that a subscriber lacks. The
+/// rate is bounded; the content of the map does not depend on it. One thread; the dense map must not change during a
+/// call.
 class MapSender {
  public:
   explicit MapSender(Publisher& bus) : bus_(bus) {}
 
-  /// Everything of the epoch before is void: all of the map goes out anew, and with it the drive until now.
+  /// Begins an epoch. Everything sent in the previous one is void: the whole map and the drive so far are sent again.
   void start_epoch(std::int32_t epoch, const dense_map::DenseMap& map, const Eigen::Vector3d& nearest_first,
                    const std::vector<TrajectoryPoint>& drive);
-  /// These have grown; they go out in this order, those near the vehicle first.
+  /// Queues tiles that have grown. They are sent in this order, those near the vehicle first.
   void changed(const std::vector<TileKey>& tiles);
-  /// The map has given these up.
+  /// Drops tiles that the map has evicted.
   void forget(const std::vector<TileKey>& tiles);
   void request(const tile_request_t& message) {
     catalog_.request(message);
     drive_.request(message);
   }
-  /// A pose of the drive has gone out as MAP_POSE; one that is LOST is a guess, and none of the drive's.
+  /// Records a pose that was published as MAP_POSE. A pose with LOST is a guess and does not belong to the drive.
   void posed(const TrajectoryPoint& point) { drive_.add(point); }
 
-  /// What has grown, as much as may go since the last call, a quarter of a second's at most. `now`: us.
+  /// Sends new records, as many as the rate allows for the time since the last call, a quarter of a second at most.
+  /// `now`: us.
   void send_changes(const dense_map::DenseMap& map, std::int64_t now);
-  /// A page of the drive, if it goes out anew.
+  /// Sends the next page of the drive, if the drive is being sent again.
   void send_trajectory();
-  /// Tiles that somebody lacks, as many as the time allows that the last send_changes() covered, and a page of the
-  /// drive.
+  /// Sends requested tiles, as many as the rate allows for the time that the last send_changes() covered, and one
+  /// requested page of the drive.
   void send_requested(const dense_map::DenseMap& map);
-  /// `position`: of the vehicle, m in map.
+  /// Sends TILE_INDEX. `now`: us. `position`: of the vehicle, m in map.
   void send_index(std::int64_t now, const Eigen::Vector3d& position);
-  /// All that waits.
+  /// Sends all that is queued.
   void finish(const dense_map::DenseMap& map);
 
  private:
-  /// Sends records of a tile from `first` to `last`, at most one message's worth. Returns the index after the last
-  /// sent.
+  /// Sends the records `first` to `last` of a tile, at most one message. Returns the index after the last record sent.
   std::int32_t send_records(TileKey key, const dense_map::DenseTile& tile, const dense_map::TileRecords& content,
                             std::int32_t first, std::int32_t last);
 
@@ -59,10 +60,10 @@ class MapSender {
   TileCatalog catalog_{"mapper", "MAP_POINTS"};
   std::int32_t epoch_ = 0;
   std::int64_t sent_at_ = 0;                                     // us
-  int turns_ = 1;                                                // of kTurn, that the last send_changes() covered
-  std::unordered_map<TileKey, std::int32_t, TileKeyHash> sent_;  // records that went out
+  int turns_ = 1;                                                // periods kTurn that the last send_changes() covered
+  std::unordered_map<TileKey, std::int32_t, TileKeyHash> sent_;  // records sent
   SendQueue changed_;
-  std::deque<map_trajectory_t> trajectory_;  // pages that will be sent
+  std::deque<map_trajectory_t> trajectory_;  // pages to send
   DriveLog drive_;
 };
 

@@ -9,11 +9,11 @@ namespace {
 
 using Insertion = dense_map::DenseWork::Insertion;
 
-constexpr std::int64_t kMostRemovals = 400'000;      // records of what has gone, until the tiles begin anew
-constexpr double kStandsStill = 0.5;                 // s without a motion, from which a vehicle without odometry stands
-constexpr std::int64_t kSearchPeriod = 500'000;      // us between two searches for where the vehicle is,
-constexpr std::int64_t kSearchAnywhere = 2'000'000;  // and where it may be anywhere: that takes most of a second
-constexpr double kSettleAfter = 6;                   // s of that, after which what waits for more scans waits in vain
+constexpr std::int64_t kMostRemovals = 400'000;      // removal records, from which on the tiles are written anew
+constexpr double kStandsStill = 0.5;                 // s without motion, after which a vehicle without odometry stands
+constexpr std::int64_t kSearchPeriod = 500'000;      // us between two searches for a lost vehicle,
+constexpr std::int64_t kSearchAnywhere = 2'000'000;  // and of the whole map, which takes most of a second
+constexpr double kSettleAfter = 6;                   // s of search, then pending points go in: no scan will settle them
 
 }  // namespace
 
@@ -38,7 +38,7 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::
   const auto T_odom_base = is_witness ? std::optional(odometry.at(scan.end)) : std::nullopt;
   if (tracked->began) standstill_ = Standstill::at(tracked->utime, tracked->T_map_base);
 
-  // What drives along beside the vehicle looks the same elsewhere.
+  // Not sought while registration follows something beside the vehicle: that looks the same everywhere.
   const bool is_sought = tracked->fix == tracking::Fix::kLost && !tracked->sparse && !tracker_.turns_otherwise();
   const auto relocalised = is_sought ? relocalise(*tracked, T_odom_base) : std::nullopt;
   const auto mapped = tracked->maps ? std::optional(map(*tracked)) : std::nullopt;
@@ -71,7 +71,7 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::
   return update;
 }
 
-/// Lost: looks where this scan may have been taken.
+/// Searches for the pose of a scan while the vehicle is lost.
 std::optional<Mapper::Relocalisation> Mapper::relocalise(const tracking::Tracked& tracked,
                                                          const std::optional<Pose>& T_odom_base) {
   const std::int64_t period = pose_graph::Relocalizer::is_anywhere(tracker_.doubt()) ? kSearchAnywhere : kSearchPeriod;
@@ -90,8 +90,8 @@ std::optional<Mapper::Relocalisation> Mapper::relocalise(const tracking::Tracked
   return Relocalisation{found->T_map_base, found->covariance, rolled_back};
 }
 
-/// Whether the vehicle, of whose way some is unknown, has been sought for long enough in what this drive has mapped. A
-/// map that was loaded is not given up: it is what the vehicle was to be found in.
+/// Whether a lost vehicle, part of whose motion was not measured, has been searched for long enough in the map of this
+/// drive. A loaded map is never given up, as the vehicle is meant to be found in it.
 bool Mapper::is_hopeless(std::int64_t utime, bool is_sought, const std::optional<Pose>& T_odom_base) {
   if (tracker_.fix() == tracking::Fix::kTracking) {
     in_vain_ = {};
@@ -105,8 +105,8 @@ bool Mapper::is_hopeless(std::int64_t utime, bool is_sought, const std::optional
   return in_vain_.is_hopeless();
 }
 
-/// If odometry held all along and says that the drive cannot have come to `T_map_base` from where it was last mapped,
-/// but from an earlier place it can, then what was mapped between is wrong.
+/// If odometry was there all along and contradicts the way from the last mapped pose to `T_map_base`, but agrees with
+/// the way from an earlier pose, everything mapped in between is wrong and is removed.
 bool Mapper::roll_back_to_agreement(const Pose& T_map_base, std::int64_t utime,
                                     const std::optional<Pose>& T_odom_base) {
   if (!T_odom_base) return false;
@@ -121,7 +121,7 @@ bool Mapper::roll_back_to_agreement(const Pose& T_map_base, std::int64_t utime,
   return true;
 }
 
-/// A scan that fits: the drive goes on to here, and the map grows.
+/// Adds a scan that fits to the drive and to the map.
 Mapper::Mapped Mapper::map(const tracking::Tracked& tracked) {
   standstill_ = standstill_.after(tracked.utime, tracked.T_map_base);
   const bool stands = !tracked.with_odometry && scan::seconds(standstill_.since, tracked.utime) > kStandsStill;
@@ -146,8 +146,9 @@ Mapper::Mapped Mapper::map(const tracking::Tracked& tracked) {
   return {T_map_base, stands, correction.has_value() || began_anew, start_is_over};
 }
 
-/// Back at a place of long ago: the whole drive is put right, and the map with it. How the vehicle moves, T_new_old;
-/// nothing if all stays where it is. While the map still moves by an earlier loop, the next one waits.
+/// Closes a loop if the vehicle is back at an earlier place: corrects the whole drive, and the map with it. Returns the
+/// correction of the vehicle's pose, T_new_old; nothing if nothing moves. Waits while the map still moves by an earlier
+/// loop.
 std::optional<Pose> Mapper::close_loop(const tracking::Tracked& tracked) {
   dense_->wait_grown();
   if (dense_->is_moving()) return std::nullopt;
@@ -167,7 +168,7 @@ std::optional<Pose> Mapper::close_loop(const tracking::Tracked& tracked) {
   return here;
 }
 
-/// The tiles begin anew, without their records of what has gone, once those are too many. Whether they did.
+/// Rewrites the tiles without removal records once there are too many of these. True if it did.
 bool Mapper::drop_removals() {
   dense_->wait_grown();
   if (dense_->is_moving() || dense_->num_removals() < kMostRemovals) return false;
@@ -175,8 +176,8 @@ bool Mapper::drop_removals() {
   return true;
 }
 
-/// What the scan shows goes into the dense map, while the next one is awaited and registered. The first standstill has
-/// a map of its own, unless the vehicle has been found on a map that is known already: how that lies it knows.
+/// Inserts the scan into the dense map, in parallel to waiting for the next scan and registering it. The first
+/// standstill has a map of its own, except in a loaded map, where registration gives the tilt.
 void Mapper::grow(const tracking::Tracked& tracked, const Pose& T_map_base, int anchor,
                   std::vector<Insertion> earlier) {
   if (config_.dense.ring_scale) scale_.learn(*tracked.points, T_map_base);
@@ -202,7 +203,7 @@ void Mapper::grow(const tracking::Tracked& tracked, const Pose& T_map_base, int 
   }
 }
 
-/// The vehicle has not moved, and what it sees from there is all that there is.
+/// Makes the map of the first standstill the drive's own: the vehicle has not moved, so there is no other map.
 void Mapper::stay_at_start() {
   const std::int64_t began = start_.began();
   std::unique_ptr<dense_map::DenseWorker> map = start_.hand_over();
@@ -213,7 +214,7 @@ void Mapper::stay_at_start() {
   dense_began_ = began;
 }
 
-/// What has left is taken out. Only points that are where registration sees their surroundings can be judged.
+/// Prepares free-space removal. Only points whose keyframe is in the local map can be judged.
 std::optional<dense_map::DenseWork::Look> Mapper::look_after(const std::optional<Earlier>& earlier,
                                                              const Pose& T_map_base, std::int64_t utime) const {
   if (!earlier) return std::nullopt;

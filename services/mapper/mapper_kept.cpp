@@ -6,12 +6,12 @@
 #include "services/mapper/mapper.hpp"
 
 /// @file
-/// Mapper: the map and the drive as they are kept, and going on with them.
+/// Mapper: saving and loading the map, recording and resuming the drive.
 
 namespace curbstone::mapper {
 namespace {
 
-constexpr double kGuess = 1.0;  // m that a guess from the speed alone may be off, at least
+constexpr double kGuess = 1.0;  // m, least error of a pose predicted from the speed alone
 
 Pose upright(double x, double y, double yaw) {
   Pose T_map_base(Eigen::Translation3d(x, y, 0));
@@ -19,14 +19,14 @@ Pose upright(double x, double y, double yaw) {
   return T_map_base;
 }
 
-/// Nothing of poses that are farther apart than `longest`, s: of a vehicle that stood.
+/// Twist between two poses. Zero if they are more than `longest` s apart: then the vehicle stood.
 scan::Twist motion_between(const journal::RecordedPose& a, const journal::RecordedPose& b, double longest) {
   const double dt = scan::seconds(a.utime, b.utime);
   if (!(dt > 0 && dt < longest)) return {};
   return scan::twist_of(a.T_map_base.inverse() * b.T_map_base, dt);
 }
 
-/// Nothing if the file of far tiles does not give it back.
+/// The tile's records; nothing if they cannot be read from the file of far tiles.
 std::optional<dense_map::TileRecords> content_of(journal::RecordedTile tile) {
   if (tile.away.empty()) return std::move(tile.content);
   try {
@@ -78,7 +78,7 @@ void Mapper::resume(journal::RecordedDrive drive) {
   for (const pose_graph::PoseEdge& edge : drive.edges) atlas_.add_known(edge);
   for (auto& [key, tile] : drive.tiles) {
     const std::int32_t z_origin = tile.z_origin;
-    auto content = content_of(std::exchange(tile, {}));  // it is in memory, or in the file, once
+    auto content = content_of(std::exchange(tile, {}));  // emptied first, so that its data exists once
     if (content) dense_->restore(key, z_origin, std::move(*content), left_off_->T_map_base.translation());
   }
   for (const journal::RecordedPose& pose : drive.poses) {
@@ -89,9 +89,9 @@ void Mapper::resume(journal::RecordedDrive drive) {
   }
 }
 
-/// Before the first scan after another mapper of this drive died. Where odometry leads from its last pose is about
-/// where the vehicle is, and registration says whether it is there. Without that odometry (the filter died, too) the
-/// motion goes on if this scan is the next; else the vehicle is sought.
+/// Takes over the drive of a mapper that died, before the first scan. The vehicle is near the pose that odometry
+/// predicts from the last pose; registration checks it. Without that odometry (the filter died too) the last motion is
+/// extrapolated if this scan is the next one; otherwise the vehicle is searched for.
 void Mapper::take_up(const journal::RecordedPose& last, const scan::Scan& scan, const scan::OdometryHistory& odometry) {
   const double reach = config_.tracker.max_speed * std::abs(scan::seconds(last.utime, scan.start)) + kGuess;
   const Eigen::Vector3d was_at = last.T_map_base.translation();
@@ -104,7 +104,7 @@ void Mapper::take_up(const journal::RecordedPose& last, const scan::Scan& scan, 
   if (last.with_odometry && scan.start > last.utime && odometry.covers(scan.start, scan.end)) {
     const Pose T_map_base = normalised(last.T_map_odom * odometry.at(scan.start));
     const double path = (T_map_base.translation() - was_at).norm();
-    if (path < reach) return go_on(scan.start, T_map_base, path);  // else it is another odom frame
+    if (path < reach) return go_on(scan.start, T_map_base, path);  // else the odom frame is a new one
   }
   const double stride = scan::seconds(last.utime, scan.end);
   if (stride > 0 && stride < kLongestStep) return go_on(last.utime, last.T_map_base, 0);

@@ -16,13 +16,13 @@
 namespace curbstone::mapper {
 namespace {
 
-constexpr std::size_t kMaxPending = 80;  // scans that wait for odometry; 20 Hz: 4 s
-constexpr int kMostInATurn = 5;          // scans
+constexpr std::size_t kMaxPending = 80;  // scans that wait for odometry: 4 s at 20 Hz
+constexpr int kMostInATurn = 5;          // scans processed per call
 constexpr std::int64_t kIndexPeriod = 1'000'000;
-constexpr std::int64_t kKeptOdometry = 100'000;    // us, before the newest scan
-constexpr std::int64_t kReportedFor = 60'000'000;  // us of the drive, that something happened
-constexpr double kNextWait = 0.25;                 // s
-constexpr int kOdometryMissing = 5;                // scans in a row: the last ones of a drive have none to their end
+constexpr std::int64_t kKeptOdometry = 100'000;    // us before the newest scan
+constexpr std::int64_t kReportedFor = 60'000'000;  // us of the drive for which an event is reported
+constexpr double kNextWait = 0.25;                 // s, after a wait without result
+constexpr int kOdometryMissing = 5;                // scans in a row; the last scans of a drive always lack it
 
 std::vector<TrajectoryPoint> points_of(const std::vector<journal::RecordedPose>& drive) {
   std::vector<TrajectoryPoint> points;
@@ -48,7 +48,7 @@ MapperNode::MapperNode(const config::MapperConfig& config, Publisher& bus)
 }
 
 void MapperNode::connect(Subscriber& bus) {
-  // 750 packets a second: two seconds of them may wait while a scan is registered.
+  // 750 packets per second: two seconds of packets may wait while a scan is registered.
   bus.subscribe<lidar_points_t>("LIDAR_POINTS", [this](const lidar_points_t& m) { on(m); }, {1500});
   bus.subscribe<lidar_points_t>(again("LIDAR_POINTS"), [this](const lidar_points_t& m) { on_again(m); }, {3000});
   bus.subscribe<odometry_t>("ODOMETRY", [this](const odometry_t& m) { on(m); }, {800});
@@ -85,7 +85,8 @@ void MapperNode::on(const tile_request_t& message) {
   sender_.request(message);
 }
 
-/// A scan that went without odometry which comes now: a replay, whose odometry is never late, makes another map.
+/// Notes scans processed without odometry whose odometry arrives now: in a replay odometry is never late, so its map
+/// differs.
 void MapperNode::note_late_odometry() {
   for (; !missed_.empty() && odometry_.reaches(missed_.front()); missed_.pop_front()) {
     if (!odometry_.covers(missed_.front(), missed_.front())) continue;
@@ -110,7 +111,7 @@ void MapperNode::queue(std::optional<scan::Scan> scan) {
 bool MapperNode::due(const Pending& pending) {
   if (odometry_.reaches(pending.scan.end)) return !odometry_resend_.is_waited_for(pending.scan);
   const std::int64_t waited_for = mapper_->started() ? pending.since : first_heard_;
-  // Once it has been waited for in vain the filter is gone, rather than late: poses need not all be late, too.
+  // After a wait without result the filter is probably gone rather than late: later scans wait less.
   const double again = std::min(config_.odometry_wait_s, kNextWait);
   const double wait = !mapper_->started()      ? config_.start_wait_s
                       : without_odometry_ == 0 ? config_.odometry_wait_s
@@ -118,8 +119,9 @@ bool MapperNode::due(const Pending& pending) {
   return std::abs(packets_.newest() - waited_for) > microseconds(wait);
 }
 
-/// Where many have become due at once (packets behind a gap, odometry that came late) not all in one turn: meanwhile
-/// the process would say nothing, and ask for nothing that it lacks. Those whose odometry is there are the same later.
+/// Processes the scans that are due. If many are due at once (packets behind a gap, late odometry), not all in one
+/// call: meanwhile the process could neither publish nor request missing messages. For scans whose odometry is there
+/// the delay does not change the result.
 void MapperNode::process_due(bool last_call) {
   for (int done = 0; !pending_.empty() && (last_call || due(pending_.front())); ++done) {
     if (!last_call && done >= kMostInATurn && odometry_.reaches(pending_.front().scan.end)) return;
@@ -132,7 +134,7 @@ void MapperNode::process_due(bool last_call) {
 void MapperNode::process(scan::Scan scan) {
   odometry_.look_from(scan.end);
   if (mapper_->begins() && odometry_.reaches(scan.end) && !odometry_.covers(scan.start, scan.end)) {
-    // The filter runs and does not know its attitude yet: a map begun now would not be level.
+    // The filter runs but does not know its attitude yet: a map begun now would not be level.
     if (scan.end - first_lidar_ <= microseconds(config_.start_wait_s)) {
       counters_.add("skipped.odometry_not_ready");
       return;
@@ -158,13 +160,13 @@ void MapperNode::process(scan::Scan scan) {
   if (update->hopeless) begin_new_drive();
 }
 
-/// Where odometry coasts on the wheels, its turn is no measure of the LiDAR's.
+/// While odometry coasts on the wheels, its turn is not compared with the LiDAR's.
 void MapperNode::watch_sensors(const MapperUpdate& update) {
   const bool is_measure = update.with_odometry && odometry_.with_gyro(update.utime - kKeptOdometry, update.utime);
   const std::optional<Pose> T_odom_base =
       is_measure ? std::optional(update.T_map_odom.inverse() * update.T_map_base) : std::nullopt;
   const std::optional<Pose>& by_scan = update.T_map_base_by_scan;
-  // Registered, and not by the tracker: it was lost, and has been found elsewhere.
+  // Registered, but not by the tracker: the vehicle was lost and has been relocalised.
   const bool goes_on = !update.rearranged && (by_scan || !update.registered);
   if (!goes_on) watch_.begin_map();
   if (goes_on && by_scan && T_odom_base) watch_.compare(update.utime, *by_scan, *T_odom_base);
@@ -179,14 +181,15 @@ void MapperNode::begin_epoch(std::int64_t utime) {
   counters_.add("epochs");
   note_loaded();
   std::vector<journal::RecordedPose> drive = drive_so_far();
-  std::erase_if(drive, [&](const auto& pose) { return pose.utime >= utime; });  // MAP_POSE tells of the rest
+  std::erase_if(drive, [&](const auto& pose) { return pose.utime >= utime; });  // later poses follow as MAP_POSE
   mapper_->wait();
   sender_.start_epoch(epoch_, mapper_->shown(), position_, points_of(drive));
   if (journal_) journal_->start_epoch(epoch_, drive);
   if (mapper_->is_at_start()) start_drive_ = std::move(drive);
 }
 
-/// All poses of a standstill that the drive began with: the mapper's own trajectory has one each few centimetres.
+/// The poses of the drive so far. For the first standstill all poses: the mapper's own trajectory has only one every
+/// few centimetres.
 std::vector<journal::RecordedPose> MapperNode::drive_so_far() {
   if (!resumed_drive_.empty()) return std::exchange(resumed_drive_, {});
   if (!start_drive_.empty()) return std::exchange(start_drive_, {});
@@ -201,7 +204,7 @@ void MapperNode::publish_pose(const MapperUpdate& update) {
   pose_to_arrays(update.T_map_odom, message.map_odom_position, message.map_odom_orientation);
   pose_to_arrays(update.T_map_base, message.map_base_position, message.map_base_orientation);
   registration::Matrix6 to_map =
-      registration::Matrix6::Identity();  // translation in map axes, rotation stays in base_link's
+      registration::Matrix6::Identity();  // translation in map axes, rotation in base_link axes
   to_map.topLeftCorner<3, 3>() = update.T_map_base.linear();
   const registration::Matrix6 covariance = to_map * update.registration.covariance * to_map.transpose();
   for (int i = 0; i < 36; ++i) message.covariance[i] = static_cast<float>(covariance(i / 6, i % 6));
@@ -217,7 +220,7 @@ void MapperNode::publish_pose(const MapperUpdate& update) {
   if ((message.flags & map_pose_t::LOST) == 0) sender_.posed({update.utime, update.revolution, update.T_map_base});
 }
 
-/// Poses that the map is sure of.
+/// Records poses that are tracked.
 void MapperNode::keep_pose(const MapperUpdate& update) {
   const int node = mapper_->atlas().reference();
   if (update.fix != tracking::Fix::kTracking || node == pose_graph::Atlas::kNone) return;
@@ -268,7 +271,7 @@ void MapperNode::tick(std::int64_t now) {
   sender_.send_requested(mapper_->shown());
   if (std::abs(now - index_sent_) >= kIndexPeriod) send_index(now);
   keep_map();
-  if (std::exchange(is_pause_, true)) mapper_->use_the_pause();  // by now the others are done with the scan
+  if (std::exchange(is_pause_, true)) mapper_->use_the_pause();  // downstream services are done with the scan
 }
 
 void MapperNode::finish() {

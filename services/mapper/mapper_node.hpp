@@ -21,16 +21,16 @@
 
 namespace curbstone::mapper {
 
-/// LIDAR_POINTS and ODOMETRY in, MAP_POSE, MAP_POINTS and MAP_TRAJECTORY out.
+/// Node of the mapper. In: LIDAR_POINTS and ODOMETRY. Out: MAP_POSE, MAP_POINTS and MAP_TRAJECTORY.
 ///
-/// A scan is processed once odometry has passed its end, or when lidar time says that odometry is missing: so the
-/// map does not depend on how the two channels interleave. Packets and odometry that were lost on the bus are asked for
-/// and waited for, in order: so it does not depend on them either. Points go out at a bounded pace, at once after their
-/// scan and from tick(); what the map holds does not depend on it.
+/// A scan is processed once odometry has reached its end, or when lidar time shows that odometry is missing. So the map
+/// does not depend on how the two channels interleave. Packets and odometry that were lost on the bus are requested and
+/// waited for, in order, so the map does not depend on losses either. Points are published at a bounded rate, right
+/// after their scan and from tick(); the content of the map does not depend on the rate.
 class MapperNode final : public Node {
  public:
-  /// Throws MapFolderError if the map that it should go on with cannot be used, JournalError if another process keeps
-  /// the journal.
+  /// Throws MapFolderError if the map of an earlier drive cannot be used, JournalError if another process holds the
+  /// journal.
   MapperNode(const config::MapperConfig& config, Publisher& bus);
 
   void connect(Subscriber& bus) override;
@@ -41,7 +41,7 @@ class MapperNode final : public Node {
 
   void on(const lidar_points_t& message);
   void on(const odometry_t& message);
-  /// What was sent again.
+  /// Messages that were sent again on request.
   void on_again(const lidar_points_t& message);
   void on_again(const odometry_t& message);
   void on(const tile_request_t& message);
@@ -51,7 +51,7 @@ class MapperNode final : public Node {
  private:
   struct Pending {
     scan::Scan scan;
-    std::int64_t since;  // us, lidar time
+    std::int64_t since;  // us, lidar time when the scan was queued
   };
   void assemble(const lidar_points_t& packet);
   void queue(std::optional<scan::Scan> scan);
@@ -60,7 +60,7 @@ class MapperNode final : public Node {
   void note_late_odometry();
   void process(scan::Scan scan);
   void watch_sensors(const MapperUpdate& update);
-  /// A new epoch: the map begins, or has been rearranged as a whole and goes out anew.
+  /// Begins an epoch: the map begins, or has been rearranged and is sent again as a whole.
   void begin_epoch(std::int64_t utime);
   [[nodiscard]] std::vector<journal::RecordedPose> drive_so_far();
   void publish_pose(const MapperUpdate& update);
@@ -82,32 +82,32 @@ class MapperNode final : public Node {
   scan::ScanAssembler assembler_;
   scan::OdometryHistory odometry_;
   scan::OdometryResend odometry_resend_;
-  std::shared_ptr<SpillFile> far_;  // what is far from the vehicle
-  std::optional<Mapper> mapper_;    // never none
+  std::shared_ptr<SpillFile> far_;  // tiles and keyframe scans far from the vehicle
+  std::optional<Mapper> mapper_;    // always has a value
   detection::SensorWatch watch_;
   std::deque<Pending> pending_;
   std::int64_t first_lidar_ = 0;   // us, start of the first scan
-  std::int64_t first_heard_ = 0;   // us, lidar time then
+  std::int64_t first_heard_ = 0;   // us, lidar time when it was queued
   std::int64_t last_end_ = 0;      // us, of the last scan processed
   std::int32_t epoch_ = 0;         // 0: no map yet
-  std::int32_t epoch_before_ = 0;  // of the map on disk
+  std::int32_t epoch_before_ = 0;  // of the map on disk or of the drive before, which a new epoch exceeds; 0: none
   std::optional<storage::MapSaver> saver_;
-  std::optional<storage::MapVersions> loaded_;  // from its folder, until the first epoch, of which they are then
-  std::int64_t kept_ = 0;                       // us, message time
+  std::optional<storage::MapVersions> loaded_;  // what the folder of the loaded map holds, until the first epoch
+  std::int64_t kept_ = 0;                       // us, when the map was last saved; 0: never
   std::optional<journal::DriveJournal> journal_;
-  std::string not_gone_on_;                           // why the drive before was not gone on with
-  std::vector<journal::RecordedPose> resumed_drive_;  // of the mapper before, until it has gone out
+  std::string not_gone_on_;                           // why the previous drive was not continued
+  std::vector<journal::RecordedPose> resumed_drive_;  // of the mapper that died, until it is sent
   std::vector<journal::RecordedPose> start_drive_;    // of the first standstill, until it is over
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();
 
-  bool has_unsent_ = false;  // a scan whose tiles have not gone out
-  bool is_pause_ = false;    // a tick has passed since it was processed
+  bool has_unsent_ = false;  // tiles of the last scan were not sent yet
+  bool is_pause_ = false;    // a tick has passed since that scan was processed
   std::int64_t index_sent_ = 0;
   int without_odometry_ = 0;         // scans in a row
-  std::deque<std::int64_t> missed_;  // us, ends of scans for which odometry had not come
-  std::int64_t too_late_ = 0;        // us, the newest of those for which it came later
+  std::deque<std::int64_t> missed_;  // us, ends of scans that were processed before odometry reached them
+  std::int64_t too_late_ = 0;        // us, the newest of these whose odometry came later; 0: none
   LatencyWindow latency_;
-  Counters counters_;  // and those of mappers before this one
+  Counters counters_;  // of the node, and of mappers before this one
 };
 
 }  // namespace curbstone::mapper

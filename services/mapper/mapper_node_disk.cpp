@@ -16,11 +16,11 @@
 namespace curbstone::mapper {
 namespace {
 
-constexpr std::int64_t kOdometryBefore = 100'000;  // us, of the first scan
+constexpr std::int64_t kOdometryBefore = 100'000;  // us before the first scan
 
 }  // namespace
 
-/// With the map of an earlier drive.
+/// Loads the map of an earlier drive.
 void MapperNode::begin_map() {
   const storage::SavedMap map =
       storage::load_map(config_.folder, {[this](const storage::SavedTile& tile) { mapper_->load(tile); },
@@ -36,14 +36,14 @@ void MapperNode::begin_map() {
   if (saver_) loaded_ = mapper_->snapshot(map.epoch, {}).versions;
 }
 
-/// A loaded map stands fast: what is in its folder need not be written again.
+/// A loaded map does not change: its files need not be written again.
 void MapperNode::note_loaded() {
   if (!loaded_) return;
   loaded_->epoch = epoch_;
   saver_->holds(*std::exchange(loaded_, std::nullopt));
 }
 
-/// Whether there is a drive that a mapper was killed in, a moment ago.
+/// Continues the drive of a mapper that was killed a short time ago. True if there is one.
 bool MapperNode::resume_drive() {
   if (config_.journal.empty()) return false;
   ConfigOf<config::MapperConfig> config;
@@ -76,10 +76,10 @@ bool MapperNode::resume_drive() {
   }
 }
 
-/// The vehicle is out of sight of what this drive has mapped, and nothing tells how it came here: what it sees from now
-/// on is another map, in a frame of its own. What was mapped stays in its folder, and semantic_map keeps its file.
+/// Begins another map in a frame of its own: the vehicle is out of sight of the map of this drive, and its motion in
+/// between was not measured. The earlier map stays on disk in a renamed folder, and semantic_map keeps its file.
 void MapperNode::begin_new_drive() {
-  if (saver_ && saver_->busy()) return;  // so it is with the next scan
+  if (saver_ && saver_->busy()) return;  // the next scan tries again
   counters_.add("new_drives");
   const Counters method = mapper_->counters();
   for (const auto& [name, value] : method.values()) counters_.add(name, value);
@@ -99,15 +99,15 @@ void MapperNode::begin_new_drive() {
   start_drive_.clear();
   kept_ = 0;
   first_lidar_ = last_end_;
-  if (without_odometry_ == 0) first_heard_ = packets_.newest();  // else none is waited for
+  if (without_odometry_ == 0) first_heard_ = packets_.newest();  // else no wait for odometry
 }
 
-/// Every so often of message time. Only what is new is copied here; another thread writes it.
+/// Saves the map every `save_every` of message time. Only changes are copied here; another thread writes them.
 void MapperNode::keep_map() {
   if (!saver_ || config_.save_every <= 0) return;
   if (kept_ == 0) kept_ = last_end_;
   if (saver_->busy() || std::abs(last_end_ - kept_) < microseconds(config_.save_every)) return;
-  if (mapper_->grown().is_moving()) return;  // not all of the map is there
+  if (mapper_->grown().is_moving()) return;  // the map is incomplete
   kept_ = last_end_;
   mapper_->wait();
   saver_->begin(mapper_->snapshot(epoch_, saver_->on_disk()));

@@ -8,14 +8,14 @@
 
 namespace curbstone::mapper {
 
-/// Tiles that wait to be sent: those about the vehicle before all others, each group in the order in which they came.
-/// After a loop the whole map waits, for a minute or more; what the vehicle sees for the first time does not wait
-/// behind it. Each tile waits once.
+/// Queue of tiles to send: tiles near the vehicle before all others, each group first in, first out. After a loop
+/// closure the whole map is queued, for a minute or more; tiles that the vehicle sees for the first time do not wait
+/// behind it. Each tile is queued once.
 class SendQueue {
  public:
   static constexpr double kNear = 40;  ///< m from the vehicle to a tile's middle: twice dense.max_range's default
 
-  /// The vehicle is there, m in map: what has come near it goes before the rest.
+  /// Sets the vehicle's position, m in map. Queued tiles that are near it now move to the near group.
   void look_from(double x, double y) {
     x_ = x;
     y_ = y;
@@ -35,14 +35,14 @@ class SendQueue {
       near_.push_back(key);
     }
   }
-  /// The next one, which waits no more; nothing if none does.
+  /// Removes and returns the next tile; nothing if the queue is empty.
   [[nodiscard]] std::optional<TileKey> pop() {
     for (std::deque<TileKey>* queue : {&near_, &far_}) {
       while (!queue->empty()) {
         const TileKey key = queue->front();
         queue->pop_front();
         const auto waits = is_near_.find(key);
-        if (waits == is_near_.end() || waits->second != (queue == &near_)) continue;  // has gone to the other group
+        if (waits == is_near_.end() || waits->second != (queue == &near_)) continue;  // has moved to the other group
         is_near_.erase(waits);
         return key;
       }
@@ -62,7 +62,7 @@ class SendQueue {
   double y_ = 0;
   std::deque<TileKey> near_;
   std::deque<TileKey> far_;
-  std::unordered_map<TileKey, bool, TileKeyHash> is_near_;  // of all that wait: in which group
+  std::unordered_map<TileKey, bool, TileKeyHash> is_near_;  // of each queued tile: whether it is in the near group
 };
 
 }  // namespace curbstone::mapper

@@ -7,7 +7,7 @@
 namespace curbstone::mapper {
 namespace {
 
-constexpr double kShows = 0.5;  // s of standstill: sooner it would be no more than a drive that begins slowly
+constexpr double kShows = 0.5;  // s of standstill; a shorter one may be a drive that begins slowly
 
 }  // namespace
 

@@ -9,36 +9,40 @@
 
 namespace curbstone::mapper {
 
-/// The dense map of the drive's first standstill. Standing, sixteen beams draw the same sixteen rings again and again,
-/// and the filter does not know its tilt to better than the accelerometer's bias: 0.2 degrees put a ring 19 m ahead
-/// 6 cm off the road as it is found to be on the way, which is a curb to look at. So none of it becomes part of the
-/// drive's map. But who switches the vehicle on wants to see what is about it: this map is shown until the vehicle has
-/// moved and the drive's own map shows as much. Where the vehicle never moves, this is the map. One thread.
+/// The dense map of the drive's first standstill. While the vehicle stands, sixteen beams measure the same sixteen
+/// rings again and again, and the filter knows its tilt no better than the accelerometer's bias allows: 0.2 degrees
+/// displace a ring 19 m ahead by 6 cm from the road surface as it is mapped later, on the move. That would look like a
+/// curb. Therefore none of these points becomes part of the drive's map.
+///
+/// Whoever switches the vehicle on still sees its surroundings: this map is shown until the vehicle has moved and the
+/// drive's own map has grown for long enough to replace it. If the vehicle never moves, this map becomes the drive's.
+/// One thread.
 class StartMap {
  public:
   using Worker = dense_map::DenseWorker;
 
-  /// `seconds`: after which a vehicle that has not moved is mapped all the same. The rest as for DenseWorker.
+  /// Arguments as for DenseWorker. After `config.start_hold_s` a vehicle that has not moved is mapped all the same.
   StartMap(const config::DenseConfig& config, const Pose& T_base_lidar, bool beside, std::shared_ptr<SpillFile> far);
 
   /// Whether the scan that ended at `utime` belongs to the first standstill.
   [[nodiscard]] bool takes(const Standstill& standstill, std::int64_t utime) const;
-  /// The map that such a scan goes into, which begins with the first one.
+  /// The map for scans of the first standstill. The first call creates it.
   [[nodiscard]] Worker& map();
-  /// It has such a scan of `utime`.
+  /// A scan of the first standstill that ended at `utime`, us, was added to map().
   void grew(std::int64_t utime);
-  /// The drive's own map has grown since `began` until `utime`, us. True when it is shown from now on, instead of this
-  /// one: which is no more.
+  /// The drive's own map has grown from `began` to `utime`, us. Ends this map if that is long enough, or if this map is
+  /// not shown. True if this map was shown and the drive's own map replaces it now.
   [[nodiscard]] bool gives_way(std::int64_t began, std::int64_t utime);
-  /// It is no more, shown or not, and none begins.
+  /// Deletes this map, shown or not. No other one begins.
   void end();
-  /// For the drive that never began: what there is becomes its map; null if nothing is. No more here.
+  /// Gives the map away, to become the drive's own map when the vehicle has not moved; null if there is none. As after
+  /// end(), no other one begins.
   [[nodiscard]] std::unique_ptr<Worker> hand_over();
 
   [[nodiscard]] bool is_there() const { return map_ != nullptr; }
-  /// Whether listeners see it, rather than the drive's own map. Not before it shows something.
+  /// Whether this map is published instead of the drive's own: from 0.5 s after its first scan.
   [[nodiscard]] bool is_shown() const { return is_shown_; }
-  /// Its first scan; 0: none.
+  /// End of its first scan, us; 0: none.
   [[nodiscard]] std::int64_t began() const { return began_; }
 
  private:

@@ -5,10 +5,10 @@
 namespace curbstone::mapper {
 namespace {
 
-constexpr double kContradiction = 0.5;         // m between two accounts of where the vehicle is, and
-constexpr double kContradictionDrift = 0.05;   // more for each m of odometry, that only an error explains
+constexpr double kContradiction = 0.5;         // m between the poses by map and by odometry,
+constexpr double kContradictionDrift = 0.05;   // plus m for each m of odometry: a larger difference is an error
 constexpr float kFootprint = 0.03F;            // m between footprints
-constexpr std::int64_t kWitness = 30'000'000;  // us for which odometry can tell
+constexpr std::int64_t kWitness = 30'000'000;  // us for which poses by odometry are kept
 
 }  // namespace
 

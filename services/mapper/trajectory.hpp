@@ -10,30 +10,29 @@
 
 namespace curbstone::mapper {
 
-/// A scan's end, as the map has it.
+/// The pose in map at the end of a scan.
 struct TrajectoryPoint {
   std::int64_t utime;  ///< us
   std::int32_t revolution;
   Pose T_map_base;
-  std::int32_t node = 0;                           ///< of the atlas, that the vehicle was at
-  std::optional<Pose> T_odom_base = std::nullopt;  ///< what odometry said of it, so far as that is known
+  std::int32_t node = 0;                           ///< of the atlas: the keyframe that the vehicle was at
+  std::optional<Pose> T_odom_base = std::nullopt;  ///< by odometry, if known
 };
 
-/// The drive's poses, each kept as it is seen from a keyframe: when a loop is closed they move with the keyframes.
-/// Knows what odometry said along the last of them, so that the two accounts of the drive can be compared. Pure; one
-/// thread.
+/// The drive's poses, each stored relative to a keyframe, so that they move with the keyframes when a loop is closed.
+/// Of the latest poses it also keeps the pose by odometry, so that map and odometry can be compared. Pure; one thread.
 class Trajectory {
  public:
-  /// A scan that was tracked.
+  /// Adds the pose of a scan that was tracked.
   void add(const TrajectoryPoint& point, const pose_graph::Atlas& atlas);
-  /// Forgets what came after `utime`, and what odometry said.
+  /// Drops all poses after `utime`, us, and all poses by odometry.
   void roll_back(std::int64_t utime);
 
-  /// In order, one each few centimetres; those of the last 30 s with odometry, where all scans since had it. Of a
-  /// vehicle that has stood for longer one more.
+  /// Poses in order of time, one every few centimetres. Those of the last 30 s include odometry's pose, if all scans
+  /// since had one. If the vehicle has stood for longer than that, one more pose with odometry is appended.
   [[nodiscard]] std::vector<TrajectoryPoint> points(const pose_graph::Atlas& atlas) const;
-  /// The vehicle is at `T_map_base` now. When its trajectory and odometry last agreed on how it came to be here;
-  /// nothing if they agree until the last scan, or never did.
+  /// The vehicle is at `T_map_base` at `utime`. Returns the time, us, of the latest pose from which odometry leads to
+  /// `T_map_base`; nothing if that is the last pose, or if there is none within 30 s.
   [[nodiscard]] std::optional<std::int64_t> last_agreement(const Pose& T_map_base, std::int64_t utime,
                                                            const Pose& T_odom_base,
                                                            const pose_graph::Atlas& atlas) const;
@@ -43,17 +42,17 @@ class Trajectory {
     std::int64_t utime;
     std::int32_t revolution;
     std::int32_t node;
-    Eigen::Vector3f position;     // of base_link, seen from the node
-    Eigen::Quaternionf attitude;  // likewise
+    Eigen::Vector3f position;     // of base_link in the node's frame, m
+    Eigen::Quaternionf attitude;  // base_link to the node's frame
   };
-  /// What odometry said at a footprint.
+  /// A footprint and the pose by odometry at the same time.
   struct Witness {
     Footprint footprint;
     Pose T_odom_base;
   };
   [[nodiscard]] static Pose T_map_of(const Footprint& footprint, const pose_graph::Atlas& atlas);
 
-  std::vector<Footprint> footprints_;  // one each few centimetres
+  std::vector<Footprint> footprints_;  // one every few centimetres
   std::deque<Witness> witnesses_;      // of the last scans, all with odometry
 };
 

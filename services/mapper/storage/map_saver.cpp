@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A name that is free, beside the folder.
+/// A free name next to the folder.
 fs::path name_beside(const fs::path& folder, std::int64_t began) {
   const std::time_t second = began / 1'000'000;
   const std::string stem = fmt::format("{}-{:%Y%m%dT%H%M%SZ}", folder.string(), fmt::gmtime(second));
@@ -46,7 +46,7 @@ void MapSaver::begin(MapSnapshot snapshot) {
   });
 }
 
-/// Where it cannot be written, what the folder held before is set aside.
+/// If the snapshot cannot be written, the folder is set aside as it is.
 fs::path MapSaver::set_aside(MapSnapshot last, std::int64_t began) {
   std::error_code ignored;
   const fs::path folder = fs::weakly_canonical(folder_, ignored);
@@ -81,7 +81,7 @@ void MapSaver::finish() {
   on_disk_ = std::move(under_way_);
 }
 
-/// What it lacks is new to the folder the next time.
+/// What the saved snapshot lacks is written again with the next one.
 void MapSaver::forget(const LeftOut& left_out) {
   if (left_out.size() == 0) return;
   for (const TileKey& key : left_out.gone) under_way_.tiles.erase(key);

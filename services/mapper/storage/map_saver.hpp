@@ -11,39 +11,41 @@
 
 namespace curbstone::mapper::storage {
 
-/// Writes a map to its folder again and again, beside its owner: only files that are not there yet, and so that the
-/// folder holds a whole map at any time (save_map()). What cannot be written is counted and said; the next time all of
-/// it is tried anew. So is what the file of far tiles does not give back: the rest is saved. One thread calls; the
-/// writing is in another.
+/// Saves a map to its folder repeatedly, in a thread of its own. Only files that the folder lacks are written, and the
+/// folder holds a complete map at any time (save_map()). A failed save is counted and reported, and the next save
+/// writes everything again. Tiles and scans that the file of far tiles cannot return are counted and reported too; the
+/// rest is saved. Call it from one thread.
 ///
 /// Counters: folder.saved, folder.left_out (tiles and scans of keyframes), faults.folder.
 class MapSaver {
  public:
   explicit MapSaver(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  /// Waits for what is under way.
+  /// Waits for the save in progress.
   ~MapSaver() { finish(); }
   MapSaver(const MapSaver&) = delete;
   MapSaver& operator=(const MapSaver&) = delete;
 
   /// Whether a snapshot is still being written.
   [[nodiscard]] bool busy();
-  /// A map that was loaded from there: of its files those that it is told of are good. Before the first snapshot, which
-  /// is written in any case.
+  /// The folder holds a loaded map, of which the files listed in `versions` need not be written again. Call it before
+  /// the first snapshot, which is then written even if it contains nothing new.
   void holds(MapVersions versions) {
     on_disk_ = std::move(versions);
     is_of_another_ = true;
   }
-  /// What the folder holds; nothing is known of it before the first snapshot. Not while busy.
+  /// What the folder holds; empty before the first snapshot, unless holds() was called. Not while busy.
   [[nodiscard]] const MapVersions& on_disk() const { return on_disk_; }
-  /// Takes what was made against on_disk(); one that has nothing new is not written. Not while busy.
+  /// Begins to save a snapshot that was taken against on_disk(). A snapshot with nothing new is not written. Not while
+  /// busy.
   void begin(MapSnapshot snapshot);
-  /// The last one of a drive that another follows: it is written, and the folder then renamed to what this returns,
-  /// with the UTC of `began`, us, in its name. Not while busy.
+  /// Begins to save the last snapshot of a drive that a new drive follows. The folder is then renamed to the returned
+  /// path, which has the UTC of `began`, us, in its name. If the snapshot cannot be written, the folder is renamed as
+  /// it is. Not while busy.
   std::filesystem::path set_aside(MapSnapshot last, std::int64_t began);
-  /// Waits until it is written.
+  /// Waits until the snapshot is written.
   void finish();
 
-  /// What is wrong with the last snapshot: it could not be written, or not all of it; empty: nothing.
+  /// The fault of the last snapshot, which could not be written, or only in part; empty: none.
   [[nodiscard]] const std::string& fault() const { return fault_; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -52,12 +54,12 @@ class MapSaver {
   MapVersions on_disk_;
   MapVersions under_way_;
   struct Result {
-    std::string fault;  // nothing has been written; empty: it has
+    std::string fault;  // why nothing was written; empty: the snapshot was written
     LeftOut left_out;
   };
   void forget(const LeftOut& left_out);
-  bool is_of_another_ = false;  // whose epoch its head names
-  bool is_last_ = false;        // what is under way is set aside then
+  bool is_of_another_ = false;  // the folder's head names the epoch of a loaded map
+  bool is_last_ = false;        // the folder is set aside after the save in progress
   std::future<Result> writing_;
   std::string fault_;
   Counters counters_;

@@ -18,7 +18,7 @@ std::string why_refused(const Fit& fit, const config::TrackerConfig& config, con
   if (result.overlap < config.min_overlap) return "refused.overlap";
   if (result.inlier_ratio < config.min_inliers) return "refused.inliers";
   if (result.residual > config.max_residual) return "refused.residual";
-  if (guess != Certainty::kFollowed) {  // the ground alone fits everywhere
+  if (guess != Certainty::kFollowed) {  // ground alone fits everywhere
     if (result.overlap < (guess == Certainty::kFound ? kFoundOverlap : kFirmOverlap)) return "refused.overlap";
     if (result.inlier_ratio < kFirmInliers || (result.degenerate & registration::kPlanarAxes) != 0)
       return "refused.inliers";

@@ -4,7 +4,7 @@
 
 namespace curbstone::mapper::tracking {
 
-/// Gravity's share of an attitude: roll and pitch, without yaw.
+/// The roll and pitch of a pose as a rotation: yaw and translation are zero.
 [[nodiscard]] inline Pose levelled(const Pose& T_odom_base) {
   const Eigen::Vector3d rpy = roll_pitch_yaw(T_odom_base.linear());
   Pose T = Pose::Identity();

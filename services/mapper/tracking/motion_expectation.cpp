@@ -5,15 +5,15 @@
 namespace curbstone::mapper::tracking {
 namespace {
 
-constexpr double kAcceleration = 10.0;  // m/s a scan's time, what velocity may be off by without odometry
-constexpr double kTurning = 2.0;        // rad/s, the same for rotation
-constexpr double kLongestGuess = 2.5;   // s that a vehicle is thought to have gone on as it did
-constexpr double kBasin = 0.7;          // m between two beginnings, each of which registration finds its way from
-constexpr double kMostAhead = 5.0;      // m a scan that are sought
-constexpr double kTurned = 0.05;        // rad between such beginnings
+constexpr double kAcceleration = 10.0;  // m/s, error of the velocity over a scan without odometry
+constexpr double kTurning = 2.0;        // rad/s, likewise of the rotation
+constexpr double kLongestGuess = 2.5;   // s for which a constant velocity is extrapolated
+constexpr double kBasin = 0.7;          // m between two initial motions, from one of which registration converges
+constexpr double kMostAhead = 5.0;      // m per scan, largest initial motion
+constexpr double kTurned = 0.05;        // rad between initial motions
 constexpr double kMostBraking = 4.0;    // m/s^2
-constexpr double kDrift = 0.05;         // m a metre of odometry that nothing checked,
-constexpr double kTurnDrift = 0.005;    // and rad
+constexpr double kDrift = 0.05;         // m per metre of odometry without registration,
+constexpr double kTurnDrift = 0.005;    // and rad per metre
 
 registration::Matrix6 isotropic(double translation, double rotation) {
   registration::Vector6 diagonal;
@@ -29,7 +29,7 @@ MotionExpectation expect_motion(const config::TrackerConfig& config, const Recen
   if (!odometry.covers(from, scan.end)) {
     MotionExpectation steady = expect_steady(recent, scan);
     if (odometry.covers(scan.start, scan.end)) {
-      steady.sweep = scan::sweep_from(odometry, scan.start, scan.end);  // it is back after a gap
+      steady.sweep = scan::sweep_from(odometry, scan.start, scan.end);  // odometry is back after a gap
     }
     return steady;
   }
@@ -40,7 +40,7 @@ MotionExpectation expect_motion(const config::TrackerConfig& config, const Recen
   const double turned = angle_of(expected.T_last_base);
   const double stride = std::max(scan::seconds(recent.end, scan.end), 0.02);
   if (moved > config.max_speed * stride || turned > config.max_turn * stride) {
-    MotionExpectation steady = expect_steady(recent, scan);  // the filter began again, or jumped
+    MotionExpectation steady = expect_steady(recent, scan);  // the filter restarted, or jumped
     steady.incredible = true;
     return steady;
   }
@@ -73,7 +73,7 @@ MotionExpectation expect_steady(const RecentMotion& recent, const scan::Scan& sc
   double stride = scan::seconds(recent.end, scan.end);
   MotionExpectation expected;
   expected.blind = stride > kLongestStride;
-  if (stride > kLongestGuess) stride = recent.stride;  // or a new clock: who can say how far it went
+  if (stride > kLongestGuess) stride = recent.stride;  // too long ago, or a new clock: the way is unknown
   expected.T_last_base = scan::move(recent.twist, stride);
   expected.sweep = scan::steady_sweep(recent.twist, scan::seconds(scan.start, scan.end));
   expected.covariance = isotropic(kAcceleration * std::max(stride, 0.05), kTurning * std::max(stride, 0.05));
@@ -82,7 +82,7 @@ MotionExpectation expect_steady(const RecentMotion& recent, const scan::Scan& sc
 
 MotionExpectation expect_perhaps(const scan::Twist& twist, std::int64_t from, const scan::Scan& scan) {
   MotionExpectation expected = expect_steady({from, twist, scan::seconds(from, scan.end)}, scan);
-  registration::Vector6 sigma;  // no vehicle rolls, pitches or heaves by much within a scan
+  registration::Vector6 sigma;  // roll, pitch and height change little within a scan
   sigma << kBasin, kBasin, 0.2, 0.05, 0.05, 0.1;
   expected.covariance = sigma.cwiseAbs2().asDiagonal();
   return expected;

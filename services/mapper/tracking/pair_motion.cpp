@@ -9,11 +9,11 @@ namespace curbstone::mapper::tracking {
 namespace {
 
 constexpr std::int64_t kLongestPair = 300'000;  // us
-constexpr double kNear = 0.05;                  // m off odometry's: the ways are not told apart by what agrees
+constexpr double kNear = 0.05;                  // m from odometry's way, below which both have the same agreement
 
-constexpr double kBetter = 1.02;  // agreement that makes a less likely way the better answer
+constexpr double kBetter = 1.02;  // factor in agreement by which a less likely way must be better
 
-/// A guess that is off by `way` m in the plane, and by little else.
+/// Prior around a guess with 1 sigma of `way`, m, in the plane and of `turn`, rad.
 registration::PosePrior around(const Pose& guess, double way, double turn) {
   registration::Vector6 sigma;
   sigma << way, way, 0.02, turn, turn, turn;
@@ -24,7 +24,7 @@ registration::PosePrior around(const Pose& guess, double way, double turn) {
   return prior;
 }
 
-/// 1 sigma of the direction in the plane that is known worst.
+/// Largest 1 sigma over the directions in the plane, m.
 double worst_of(const registration::Matrix6& covariance) {
   const Eigen::Matrix2d plane = covariance.topLeftCorner<2, 2>();
   return std::sqrt(0.5 * plane.trace() + std::hypot(0.5 * (plane(0, 0) - plane(1, 1)), plane(0, 1)));

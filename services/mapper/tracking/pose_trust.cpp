@@ -5,12 +5,12 @@ namespace {
 
 constexpr std::int64_t kPatience = 1'000'000;   // us without a fit, after which the pose is lost
 constexpr int kConfirmed = 10;                  // scans in a row that must fit before a pose is trusted again
-constexpr double kDoubtSpeed = 3.0;             // m/s, how doubt grows while lost or when nothing tells of the motion,
-constexpr double kGuidedDoubt = 0.05;           // and m a metre when odometry does
-constexpr double kGuidedTurn = 0.005;           // rad, of its attitude, after a metre
-constexpr double kMostDoubt = 0.5;              // m that odometry may have led on by where nothing can be seen
-constexpr std::int64_t kNewGround = 6'000'000;  // us, by when it has been sought everywhere, and
-constexpr double kNewGroundPath = 10.0;         // m by odometry, without a fit: these surroundings are new
+constexpr double kDoubtSpeed = 3.0;             // m/s, growth of the doubt while lost or without odometry,
+constexpr double kGuidedDoubt = 0.05;           // and m per metre with odometry
+constexpr double kGuidedTurn = 0.005;           // rad, error of odometry's attitude after a metre
+constexpr double kMostDoubt = 0.5;              // m up to which odometry alone continues the pose over sparse scans
+constexpr std::int64_t kNewGround = 6'000'000;  // us without a fit, by when the whole map was searched, and
+constexpr double kNewGroundPath = 10.0;         // m by odometry without a fit: the surroundings are new
 
 }  // namespace
 
@@ -69,8 +69,8 @@ void PoseTrust::take_refusal(const Evidence& scan, Counters& counters) {
   }
 }
 
-/// Lost, but odometry held all the while and the vehicle has driven on: what it sees is new, not displaced. Who was
-/// lifted and put down elsewhere has not driven.
+/// Lost, but odometry was there all the time and the vehicle has driven on: it sees new surroundings. A vehicle that
+/// was lifted and put down elsewhere has not driven.
 bool PoseTrust::sees_new_ground(const Evidence& scan) const {
   return fix_ == Fix::kLost && !was_blind_ && scan.with_odometry && !scan.sparse && scan.utime - fitted_ > kNewGround &&
          since_fitted_m_ > kNewGroundPath;

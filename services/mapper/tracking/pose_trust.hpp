@@ -9,55 +9,56 @@ namespace curbstone::mapper::tracking {
 
 /// How far the pose can be trusted.
 enum class Fix {
-  kTracking,   ///< scan after scan fits the map
-  kTentative,  ///< found again; a few more must fit before the map takes anything
-  kLost,       ///< only a guess
+  kTracking,   ///< scans fit the map
+  kTentative,  ///< relocalised; more scans must fit before the map takes any
+  kLost,       ///< the pose is only a guess
 };
 
-/// Keeps Fix, and how far off the pose may be, from which scans fitted and what was driven meanwhile. A value, pure.
+/// Computes Fix and the possible error of the pose from which scans fitted and how far the vehicle drove since. A
+/// value, pure.
 ///
-/// Counts: found, lost.blind, lost.refused, began_anew.
+/// Counters: found, lost.blind, lost.refused, began_anew.
 class PoseTrust {
  public:
-  /// What one scan tells.
+  /// The result of one scan.
   struct Evidence {
-    std::int64_t utime = 0;                                            ///< us, its end
-    double stride = 0;                                                 ///< s since the end of the scan before
-    double went = 0;                                                   ///< m since then, as expected
-    bool with_odometry = false;                                        ///< of which `went` is
-    bool fits = false;                                                 ///< the map
-    registration::Matrix6 covariance = registration::Matrix6::Zero();  ///< of what was expected, in base_link axes
-    bool sparse = false;  ///< too few points to fit anything, which contradicts nothing
+    std::int64_t utime = 0;                                            ///< us, end of the scan
+    double stride = 0;                                                 ///< s since the end of the previous scan
+    double went = 0;                                                   ///< m since then, as predicted
+    bool with_odometry = false;                                        ///< odometry made that prediction
+    bool fits = false;                                                 ///< the scan fits the map
+    registration::Matrix6 covariance = registration::Matrix6::Zero();  ///< of the prediction, in base_link axes
+    bool sparse = false;  ///< too few points to fit; that contradicts nothing
   };
 
   [[nodiscard]] Fix fix() const { return fix_; }
   [[nodiscard]] bool tracking() const { return fix_ == Fix::kTracking; }
-  /// Lost, and not even odometry says how far off: a registration from a mere guess fits somewhere.
+  /// Lost, and odometry does not bound the error either: a registration that begins from a guess may fit anywhere.
   [[nodiscard]] bool groundless() const { return fix_ == Fix::kLost && blind_; }
-  /// Lost, and for some of the time since the last fit nothing told how the vehicle moved: no measurement leads here.
+  /// Lost, and for some of the time since the last fit no sensor measured the motion: the pose is not dead reckoning.
   [[nodiscard]] bool adrift() const { return fix_ == Fix::kLost && was_blind_; }
-  /// How far off the pose may be, m, since the last scan that fitted...
+  /// Possible error of the pose since the last scan that fitted, m.
   [[nodiscard]] double doubt() const { return doubt_; }
-  /// ...which ended then; us.
+  /// End of the last scan that fitted, us.
   [[nodiscard]] std::int64_t fitted() const { return fitted_; }
   [[nodiscard]] int refused_in_a_row() const { return refused_in_a_row_; }
-  /// Covariance of the pose at the end of the last scan if that was refused, in base_link axes; else zero.
+  /// Covariance of the pose at the end of the last scan if that scan was refused, in base_link axes; else zero.
   [[nodiscard]] const registration::Matrix6& drift() const { return drift_; }
 
-  /// The first scan of a drive, or of a new clock, ended at `utime`.
+  /// The first scan of a drive, or after a jump of the clock, ended at `utime`, us.
   void start(std::int64_t utime) { fitted_ = utime; }
-  /// Covariance of the pose at the end of the next scan if that does not fit, in base_link axes.
+  /// Covariance of the pose at the end of the next scan if that scan does not fit, in base_link axes.
   [[nodiscard]] registration::Matrix6 covariance_without(const Evidence& scan) const;
-  /// Takes the next scan. True where the map for registration is to begin anew with it.
+  /// Takes the next scan. True if the registration map should begin anew with it.
   [[nodiscard]] bool judge(const Evidence& scan, Counters& counters);
-  /// No sensor tells how the vehicle moved.
+  /// No sensor measured the motion: lost.
   void go_blind(Counters& counters);
 
-  /// The vehicle was found elsewhere: tentative.
+  /// The vehicle was relocalised: tentative.
   void relocate();
-  /// It is somewhere within `doubt` m in a map that is known: lost until relocate().
+  /// The vehicle is within `doubt` m of the start pose in a loaded map: lost until relocate().
   void begin_lost(double doubt);
-  /// By odometry alone it went `path` m since it was last found at `utime`, and is tracked.
+  /// The vehicle is tracked at `utime`, us, after `path` m by odometry alone since the last scan that fitted.
   void resume(std::int64_t utime, double path);
   void forget_drift() { drift_.setZero(); }
 
@@ -71,10 +72,10 @@ class PoseTrust {
 
   Fix fix_ = Fix::kTracking;
   int fitting_ = 0;            // scans in a row, while tentative
-  bool blind_ = false;         // lost, and not even odometry says how far
-  bool was_blind_ = false;     // at some time since the last scan that fitted
-  double since_fitted_m_ = 0;  // moved by odometry since the last one that fitted
-  double doubt_ = 0;           // m, that the pose may be off by since then
+  bool blind_ = false;         // lost, and odometry does not say how far off
+  bool was_blind_ = false;     // blind at some time since the last scan that fitted
+  double since_fitted_m_ = 0;  // predicted path since the last scan that fitted
+  double doubt_ = 0;           // m, possible error of the pose since then
   std::int64_t fitted_ = 0;    // us, the end of the last scan that fitted
   int refused_in_a_row_ = 0;
   registration::Matrix6 drift_ = registration::Matrix6::Zero();

@@ -10,15 +10,15 @@
 namespace curbstone::mapper::tracking {
 namespace {
 
-constexpr int kDeskewPasses = 2;         // without odometry, after the first
-constexpr double kSettledShift = 0.01;   // m over a scan, and
-constexpr double kSettledTurn = 1e-3;    // rad: de-skewed with a motion that is off by less, it is right
-constexpr double kRefined = 0.15;        // m, that such a pass may find its points off
-constexpr double kLever = 15.0;          // m, at which most of what is registered stands
-constexpr int kPairPasses = 3;           // of the first two scans
-constexpr double kClearlyBetter = 1.02;  // agreement that makes a less likely speed the better answer
+constexpr int kDeskewPasses = 2;         // additional passes without odometry
+constexpr double kSettledShift = 0.01;   // m over a scan,
+constexpr double kSettledTurn = 1e-3;    // and rad: errors of the motion below which de-skew is good enough
+constexpr double kRefined = 0.15;        // m, reach of the registration in such a pass
+constexpr double kLever = 15.0;          // m, typical range of the points
+constexpr int kPairPasses = 3;           // for the first two scans
+constexpr double kClearlyBetter = 1.02;  // factor in agreement by which a less likely speed must be better
 
-/// s from when its points were taken, in the mean, to its end.
+/// s from the mean time of a scan's points to its end.
 double mean_age(const scan::Scan& scan) {
   double sum = 0;
   std::size_t n = 0;
@@ -28,13 +28,13 @@ double mean_age(const scan::Scan& scan) {
   return scan::seconds(scan.start, scan.end) - sum / static_cast<double>(std::max<std::size_t>(n, 1));
 }
 
-/// Whether two motions de-skew alike.
+/// Whether two motions de-skew a scan alike, within kSettledShift and kSettledTurn.
 bool alike(const scan::Twist& a, const scan::Twist& b, double sweep_seconds) {
   return (a.linear - b.linear).norm() * sweep_seconds < kSettledShift &&
          (a.angular - b.angular).norm() * sweep_seconds < kSettledTurn;
 }
 
-/// Where the vehicle sees itself. The ground under it is no part of it.
+/// The box in which the LiDAR sees the vehicle itself, in base_link, m. It does not include the ground below.
 Eigen::AlignedBox3f body_of(const VehicleConfig& vehicle) {
   constexpr double kMargin = 0.1;  // m
   const double half_length = 0.5 * vehicle.length + kMargin;
@@ -89,8 +89,8 @@ Fit ScanMatcher::fit(const Departure& from, const scan::Scan& scan, MotionExpect
   return fit;
 }
 
-/// What registration found says more of the motion during the scan than the expectation did: de-skew with that,
-/// and register again.
+/// The registration result gives a better motion during the scan than the prediction: de-skews with that motion and
+/// registers again.
 Fit ScanMatcher::refine_motion(const Departure& from, const scan::Scan& scan, const MotionFilter& before, Fit fit) {
   const double sweep_seconds = scan::seconds(scan.start, scan.end);
   MotionFilter::Found found;
@@ -124,8 +124,8 @@ Fit ScanMatcher::fit_from_afar(const Departure& from, const scan::Scan& scan, co
   return best;
 }
 
-/// De-skewed with the same motion both show the same distortion, so what lies between them is right from the first pass
-/// on; the next ones put the distortion right.
+/// Two scans de-skewed with the same motion have the same distortion, so the motion between them is right from the
+/// first pass on; the further passes remove the distortion.
 Fit ScanMatcher::fit_second(const Departure& from, const scan::Scan& first, const scan::Scan& second) {
   const double stride = scan::seconds(from.end, second.end);
   const auto fit_with = [&](scan::Twist twist) {

@@ -15,51 +15,51 @@
 
 namespace curbstone::mapper::tracking {
 
-/// Where the vehicle was at the end of the last scan.
+/// The vehicle's pose at the end of the last scan.
 struct Departure {
   std::int64_t end = 0;  ///< us
   Pose T_map_base = Pose::Identity();
   registration::Matrix6 drift =
-      registration::Matrix6::Zero();  ///< covariance of it, in base_link axes, if it is only a guess
+      registration::Matrix6::Zero();  ///< its covariance in base_link axes if it was not registered; else zero
 };
 
-/// A scan in the map.
+/// A registered scan.
 struct Fit {
   MotionExpectation expected;
-  registration::PosePrior prior;            ///< where it was sought
-  registration::RegistrationResult result;  ///< where it is
+  registration::PosePrior prior;            ///< the predicted pose
+  registration::RegistrationResult result;  ///< the registered pose
   std::vector<scan::LidarPoint> points;     ///< de-skewed, in base_link
-  MotionFilter motion;                      ///< without odometry: what it has learnt of the motion
-  /// Of the scan before, where this one shows how that was distorted: see ScanMatcher::fit_second().
+  MotionFilter motion;                      ///< without odometry: updated with this scan
+  /// Points of the previous scan, de-skewed by what this scan shows of the motion: see ScanMatcher::fit_second().
   std::vector<scan::LidarPoint> first_points;
   /// 0..1: share of the scan's points that lie on a surface of the map.
   [[nodiscard]] double agreement() const { return result.overlap * result.inlier_ratio; }
 };
 
-/// De-skews a scan and registers it: with odometry one after the other; without, the motion within the scan
-/// is sought along with the pose. Keeps the map for registration. One thread.
+/// De-skews a scan and registers it. With odometry these are two steps; without it, the motion within the scan is
+/// estimated together with the pose. Owns the registration map. One thread.
 class ScanMatcher {
  public:
-  /// `max_speed`: m/s, at which a drive may begin.
+  /// `max_speed`: m/s, highest speed at which a drive may begin.
   ScanMatcher(const config::RegistrationConfig& config, const VehicleConfig& vehicle, double max_speed);
 
   [[nodiscard]] registration::Registration& map() { return *registration_; }
   [[nodiscard]] const registration::Registration& map() const { return *registration_; }
   void clear_map();
 
-  /// The scan as it is expected to lie, not registered.
+  /// The scan at its predicted pose, not registered.
   [[nodiscard]] Fit expect(const Departure& from, const scan::Scan& scan, MotionExpectation expected) const;
-  /// Registers it. `motion`: how the vehicle moved until now, as far as scans show.
+  /// Registers the scan. `motion`: the vehicle's motion until now, from scans.
   [[nodiscard]] Fit fit(const Departure& from, const scan::Scan& scan, MotionExpectation expected,
                         const MotionFilter& motion);
-  /// Where the expectation has failed and there is no odometry: begins from other motions too, and gives the answer
-  /// that most points agree with.
+  /// Registers the scan from other motions, after the predicted motion has failed and where there is no odometry.
+  /// Returns the result that most points agree with.
   [[nodiscard]] Fit fit_from_afar(const Departure& from, const scan::Scan& scan, const MotionFilter& motion);
-  /// The first two scans of a drive, where nothing tells how fast it is: seeks at all speeds up to `max_speed`.
-  /// The map for registration becomes the first, de-skewed, which ended at `from`: Fit::first_points.
+  /// Registers the first two scans of a drive to each other when the speed is unknown: tries all speeds up to
+  /// `max_speed`. The registration map becomes the first scan, de-skewed, which ended at `from`: Fit::first_points.
   [[nodiscard]] Fit fit_second(const Departure& from, const scan::Scan& first, const scan::Scan& second);
 
-  /// De-skewed, in base_link, without what the vehicle sees of itself.
+  /// The points of the scan, de-skewed, in base_link, without those on the vehicle itself.
   [[nodiscard]] std::vector<scan::LidarPoint> in_base(const scan::Scan& scan, const scan::SweepMotion& sweep) const;
 
  private:
@@ -68,7 +68,7 @@ class ScanMatcher {
   config::RegistrationConfig config_;
   double max_speed_;
   Pose T_base_lidar_;
-  Eigen::AlignedBox3f own_body_;  ///< base_link
+  Eigen::AlignedBox3f own_body_;  ///< in base_link, m
   std::unique_ptr<registration::Registration> registration_;
 };
 

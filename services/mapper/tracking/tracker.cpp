@@ -10,9 +10,9 @@ namespace curbstone::mapper::tracking {
 namespace {
 
 constexpr std::int64_t kLongestSweep = 1'000'000;  // us
-constexpr std::int64_t kClockJump = 100'000;       // us backwards that is a new clock, not a late scan
-constexpr int kFirstInsertions = 10;               // scans that go into the map even when the vehicle stands
-constexpr int kMostFromAfar = 3;                   // refused in a row that are sought with other motions
+constexpr std::int64_t kClockJump = 100'000;       // us backwards: from here on a new clock, not a late scan
+constexpr int kFirstInsertions = 10;               // scans that the registration map takes even if the vehicle stands
+constexpr int kMostFromAfar = 3;                   // refusals in a row up to which other motions are tried
 
 scan::SharedPoints share(std::vector<scan::LidarPoint> points) {
   return std::make_shared<const std::vector<scan::LidarPoint>>(std::move(points));
@@ -61,7 +61,7 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
   turns_otherwise_ = turns_otherwise || (turns_otherwise_ && !found.believed && !turns_.gives_up(scan.end));
   if (!found.fit.expected.with_odometry) counters_.add("without_odometry");
   if (!found.refusal.empty()) counters_.add(found.refusal);
-  if (first_ && !found.believed) {  // neither proves the other: the first is forgotten, the drive begins with this one
+  if (first_ && !found.believed) {  // they do not confirm each other: the drive begins with this one
     forget_start();
     return start(scan, odometry);
   }
@@ -77,14 +77,13 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
   return tracked;
 }
 
-/// Where the scan is, by all that may tell: from where odometry, or a steady motion, expects it; if that fails, from
-/// other motions.
+/// Registers the scan from the pose that odometry, or a constant velocity, predicts; if that fails, from other motions.
 Tracker::Attempt Tracker::attempt(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
   MotionExpectation expected = expect_motion(config_, recent(), scan, odometry);
   if (expected.incredible) counters_.add("odometry.not_believed");
   const Departure from = departure();
   if (expected.blind) {
-    // Too far apart to tell of each other: the drive begins with this one.
+    // The first two scans are too far apart to confirm each other: the drive begins with this one.
     if (first_) return {matcher_.expect(from, scan, std::move(expected)), {}, false};
     if (auto bridged = attempt_across(from, scan, odometry)) return std::move(*bridged);
     trust_.go_blind(counters_);
@@ -98,8 +97,8 @@ Tracker::Attempt Tracker::attempt(const scan::Scan& scan, const scan::OdometryHi
   return second.believed ? second : first;
 }
 
-/// Seconds of messages were missed: by what odometry said before and says now. Nothing if the LiDAR does not clearly
-/// agree.
+/// Registers the scan after seconds of messages were missed, from odometry's poses before and after. Nothing if the
+/// LiDAR does not clearly agree.
 std::optional<Tracker::Attempt> Tracker::attempt_across(const Departure& from, const scan::Scan& scan,
                                                         const scan::OdometryHistory& odometry) {
   if (!trust_.tracking() || !last_->T_odom_base) return std::nullopt;
@@ -111,21 +110,21 @@ std::optional<Tracker::Attempt> Tracker::attempt_across(const Departure& from, c
   return bridged;
 }
 
-/// Perhaps it is odometry that jumped.
+/// Registers the scan from a constant velocity, in case odometry jumped.
 Tracker::Attempt Tracker::attempt_without_odometry(const Departure& from, const scan::Scan& scan) {
   Attempt attempt = judged(matcher_.fit(from, scan, expect_steady(recent(), scan), motion_));
   if (attempt.believed) counters_.add("odometry.not_believed");
   return attempt;
 }
 
-/// Perhaps the motion has changed. Costly, so not for long.
+/// Registers the scan from other motions, in case the motion has changed. Costly, so only for kMostFromAfar refusals.
 Tracker::Attempt Tracker::attempt_from_afar(const Departure& from, const scan::Scan& scan) {
   if (!trust_.tracking() || trust_.refused_in_a_row() >= kMostFromAfar) return {};
   return judged(matcher_.fit_from_afar(from, scan, motion_));
 }
 
-/// Whether a scan comes after the last one, as time goes. What is late or comes once more does not. After a
-/// break, a gap or a clock that jumped, the second in a row is believed: one alone may be an error.
+/// Whether a scan follows the last one in time. A late or duplicate scan does not. After a gap or a jump of the clock
+/// the second scan in a row is accepted: a single one may be an error.
 bool Tracker::follows(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
   const std::int64_t stride = scan.end - last_->end;
   const bool in_order = stride > 0 && static_cast<double>(stride) * 1e-6 <= kLongestStride;
@@ -137,14 +136,14 @@ bool Tracker::follows(const scan::Scan& scan, const scan::OdometryHistory& odome
     broken_ = scan.end;
     return false;
   }
-  if (stride < 0) {  // no gap: a new clock
+  if (stride < 0) {  // not a gap but a new clock
     last_->end = *before - std::llround(stride_ * 1e6);
     trust_.start(last_->end);
   }
   return true;
 }
 
-/// The new pose is settled, and with it how far it can be trusted.
+/// Sets the new pose, and how far it can be trusted.
 Tracked Tracker::conclude(std::int64_t utime, Attempt found) {
   const MotionExpectation& expected = found.fit.expected;
   const Pose sought = found.believed ? found.fit.result.T_map_base : found.fit.prior.T_map_base;
@@ -158,7 +157,7 @@ Tracked Tracker::conclude(std::int64_t utime, Attempt found) {
   tracked.stationary = expected.stationary && moved.translation().norm() < 0.03 && angle_of(moved) < 0.01;
   tracked.T_map_base = tracked.stationary ? last_->T_map_base : sought;
   tracked.registration = found.fit.result;
-  if (found.believed) {  // registration itself knows nothing of what de-skew got wrong
+  if (found.believed) {  // registration's covariance does not include errors of de-skew
     tracked.registration.covariance +=
         expected.with_odometry ? expected.deskew_covariance : motion_jitter_.covariance();
   }
@@ -181,14 +180,14 @@ Tracked Tracker::conclude(std::int64_t utime, Attempt found) {
   return tracked;
 }
 
-/// On odometry alone.
+/// The registration map begins anew at odometry's pose.
 void Tracker::begin_anew() {
   matcher_.clear_map();
   turns_.clear();
   turns_otherwise_ = false;
 }
 
-/// What the scan tells of the motion: the vehicle moved so in `stride` s.
+/// Updates the motion: `moved` is the vehicle's motion in `stride` s, by this scan.
 void Tracker::learn_motion(const Attempt& found, const Pose& moved, double stride) {
   const bool in_step = stride < kLongestStride;
   if (in_step) {
@@ -201,7 +200,7 @@ void Tracker::learn_motion(const Attempt& found, const Pose& moved, double strid
       motion_ = found.fit.motion;
     }
   }
-  // An earlier pose that did not fit, or is another's, tells nothing of this one's error.
+  // After a scan that did not fit, or a gap, the difference of two poses does not show the jitter.
   steady_ = found.believed && in_step ? steady_ + 1 : 0;
 }
 
@@ -269,7 +268,7 @@ Tracked Tracker::start(const scan::Scan& scan, const scan::OdometryHistory& odom
   return tracked;
 }
 
-/// The second scan fits the first, so the first was good: it goes into the map. Nothing where it has long been there.
+/// The second scan fits the first, which confirms it: returns the first scan for the map. Nothing for all later scans.
 std::optional<Tracked::Earlier> Tracker::prove_start(const Fit& second) {
   if (!std::exchange(first_, std::nullopt)) return std::nullopt;
   std::vector<scan::LidarPoint> points = std::exchange(first_points_, {});

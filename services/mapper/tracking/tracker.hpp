@@ -28,24 +28,24 @@
 
 namespace curbstone::mapper::tracking {
 
-/// What the tracker made of one scan.
+/// The tracker's result for one scan.
 struct Tracked {
-  std::int64_t utime = 0;  ///< us, its end
+  std::int64_t utime = 0;  ///< us, end of the scan
   Pose T_map_base = Pose::Identity();
-  std::optional<Pose> T_map_base_by_scan;  ///< as registration has it, though odometry may be believed rather
-  /// Covariance in base_link axes: with that of the motion where it was a guess; of what led here where the scan did
-  /// not fit.
+  std::optional<Pose> T_map_base_by_scan;  ///< by registration, even where odometry's pose is used instead
+  /// Its covariance is in base_link axes. It includes the uncertainty of the motion within the scan. If the scan did
+  /// not fit, it is the covariance of the prediction since the last scan that did.
   registration::RegistrationResult registration;
   Fix fix = Fix::kTracking;
   bool registered = false;
   bool with_odometry = false;
   bool stationary = false;
-  bool began = false;         ///< with this scan, or anew
-  bool anew = false;          ///< the map for registration is empty: odometry alone led here
-  bool sparse = false;        ///< too few points to be placed by: odometry led here
-  bool maps = false;          ///< the map may take it
+  bool began = false;         ///< a drive begins with this scan, or begins again
+  bool anew = false;          ///< the registration map begins anew: the pose is by odometry alone
+  bool sparse = false;        ///< too few points to register: the pose is by odometry
+  bool maps = false;          ///< the map may take the scan
   scan::SharedPoints points;  ///< de-skewed, in base_link; never null
-  /// Without odometry a scan has its motion from the next: the very first, when the second has proved it.
+  /// The very first scan, once the second has confirmed it: without odometry its motion is known only then.
   struct Earlier {
     scan::SharedPoints points;
     Pose T_map_base;
@@ -54,78 +54,78 @@ struct Tracked {
   std::optional<Earlier> first;
 };
 
-/// Follows the vehicle through the map for registration, which it keeps: de-skew, expect, register, judge. A function
-/// of the sequence of calls alone. Pure; one thread.
+/// Tracks the vehicle from scan to scan: predicts, de-skews, registers, judges. Owns the registration map. The result
+/// depends on the sequence of calls alone. Pure; one thread.
 ///
 /// Counters: revolutions, keyframes, refused.sparse, refused.time, refused.not_converged, refused.overlap,
-/// refused.inliers, refused.residual, refused.jump, refused.turn (wheels and gyro say otherwise),
-/// odometry.not_believed, without_odometry, lost.blind (no sensor measured the motion for too long), bridged (nor did
-/// any, but odometry says the same as the LiDAR of where the vehicle is now), lost.refused (nothing fitted for too
-/// long), found, began_anew (on odometry alone).
+/// refused.inliers, refused.residual, refused.jump, refused.turn (contradicts wheels and gyro), odometry.not_believed,
+/// without_odometry, lost.blind (no sensor measured the motion for too long), bridged (likewise, but odometry and LiDAR
+/// agree on the pose now), lost.refused (no scan fitted for too long), found, began_anew (on odometry alone).
 class Tracker {
  public:
-  /// `keeps_map` false: the registration map is an earlier drive's, and takes no scans.
+  /// `keeps_map` false: the registration map is that of an earlier drive and takes no scans.
   Tracker(const config::TrackerConfig& config, const config::RegistrationConfig& registration,
           const VehicleConfig& vehicle, bool keeps_map);
 
-  /// Takes the next scan; nothing when it cannot be placed in time (once more, late, longer than a second, ended
-  /// before it began, the first after a gap or a jump of the clock) or holds too few points that can be measurements
-  /// and odometry does not lead on. Such changes nothing.
+  /// Takes the next scan. Returns nothing, and leaves pose and map unchanged, in two cases. The scan cannot be placed
+  /// in time: it is a duplicate, late, longer than a second, ends before it begins, or is the first after a gap or a
+  /// jump of the clock. Or it has too few valid points and odometry does not continue the pose.
   [[nodiscard]] std::optional<Tracked> track(const scan::Scan& scan, const scan::OdometryHistory& odometry);
 
   [[nodiscard]] bool started() const { return last_.has_value(); }
   [[nodiscard]] Fix fix() const { return trust_.fix(); }
   [[nodiscard]] const Pose& T_map_base() const { return last_->T_map_base; }
-  /// Lost, and no measurement leads here from the last scan that fitted.
+  /// Lost, and for some of the time since the last scan that fitted no sensor measured the motion.
   [[nodiscard]] bool adrift() const { return trust_.adrift(); }
-  /// How far off the pose may be, m, since the last scan that fitted...
+  /// Possible error of the pose since the last scan that fitted, m.
   [[nodiscard]] double doubt() const { return trust_.doubt(); }
-  /// ...which ended then; us.
+  /// End of the last scan that fitted, us.
   [[nodiscard]] std::int64_t fitted() const { return trust_.fitted(); }
 
-  /// The vehicle is somewhere else than was thought: lost becomes tentative.
+  /// Sets the pose after relocalisation: lost becomes tentative.
   void relocate(const Pose& T_map_base);
-  /// The first scan is not where the map begins, but about here in a map that is known. Lost until relocate().
+  /// The first scan is within `doubt` m of this pose in a loaded map, instead of at the map's origin. Lost until
+  /// relocate().
   void begin_at(const Pose& T_map_base, double doubt);
-  /// Goes on with the drive of another: the vehicle is at `T_map_base` at `utime`, us, by odometry over `path` m since
-  /// it was last found. `twist`: how it moves, for a first scan without odometry. Before the first scan.
+  /// Continues the drive of another mapper: the vehicle is at `T_map_base` at `utime`, us, by odometry over `path` m
+  /// since its last pose there. `twist`: its motion, for a first scan without odometry. Before the first scan.
   void resume(std::int64_t utime, const Pose& T_map_base, double path, const scan::Twist& twist = {});
-  /// The map for registration is made anew from these nodes, and the vehicle is here in it.
+  /// Rebuilds the registration map from `nodes`, and sets the vehicle's pose in it.
   void rebuild(const std::vector<const scan::Keyframe*>& nodes, const Pose& T_map_base);
-  /// A node's surroundings come back into the map for registration.
+  /// Inserts a node's surroundings into the registration map again.
   void recall(const scan::Keyframe& node) { matcher_.map().recall(node); }
-  /// Bounds the map for registration once the vehicle has gone far enough: true when what is farther than the window
-  /// has been forgotten.
+  /// Bounds the registration map once the vehicle has moved far enough. True if voxels outside the window were dropped.
   bool forget_far();
   [[nodiscard]] double window() const { return matcher_.map().window(); }
 
-  /// Voxels of the map that registration keeps; bounded by its window.
+  /// Number of voxels of the registration map; bounded by its window.
   [[nodiscard]] std::size_t registration_size() const { return matcher_.map().size(); }
   [[nodiscard]] const Counters& counters() const { return counters_; }
-  /// Whether odometry goes where the scans do. While it is denied the tracker goes by scans alone.
+  /// Whether odometry and scans agree on the way. While odometry is denied, the tracker uses scans alone.
   [[nodiscard]] const WayCheck& way() const { return way_; }
-  /// Of it, and of scans that show too little.
+  /// Appends the faults of way(), and of scans with too few points.
   void add_faults(std::vector<std::string>& faults) const;
-  /// Whether a scan was refused because it turned otherwise than wheels and gyro, and none was believed since.
+  /// A scan was refused because its turn contradicts wheels and gyro, and no scan was accepted since. Ends when
+  /// TurnCheck gives up.
   [[nodiscard]] bool turns_otherwise() const { return turns_otherwise_; }
-  /// us, when one was refused so last; 0: none was.
+  /// us, end of the last scan that was refused for that reason; 0: none.
   [[nodiscard]] std::int64_t turned_otherwise() const { return turned_otherwise_; }
-  /// Scans in a row that could not be registered.
+  /// Number of scans in a row that could not be registered.
   [[nodiscard]] int refused_in_a_row() const { return trust_.refused_in_a_row(); }
 
  private:
   struct Last {
     std::int64_t end = 0;
     Pose T_map_base = Pose::Identity();
-    std::optional<Pose> T_odom_base = std::nullopt;  // as odometry had it, or had it last
-    std::int64_t odometry_utime = 0;                 // us, when that was
+    std::optional<Pose> T_odom_base = std::nullopt;  // by odometry, now or last
+    std::int64_t odometry_utime = 0;                 // us, time of T_odom_base
   };
-  /// A scan in the map, and whether that is so.
+  /// A registered scan, and whether it is accepted.
   struct Attempt {
     Fit fit;
-    std::string refusal{};  // the counter of why it is not believed; empty if it is
+    std::string refusal{};  // counter of the refusal; empty if there is none
     bool believed = false;
-    bool sparse = false;  // too few points to try
+    bool sparse = false;  // too few points to register
   };
 
   [[nodiscard]] bool follows(const scan::Scan& scan, const scan::OdometryHistory& odometry);
@@ -160,25 +160,25 @@ class Tracker {
   ScanMatcher matcher_;
   std::optional<Last> last_;
   std::optional<Pose> known_start_;
-  std::optional<std::int64_t> broken_;          // us, the end of a scan that did not follow the one before
-  std::optional<scan::Scan> first_;             // until its motion is known, where there is no odometry
-  std::vector<scan::LidarPoint> first_points_;  // of it, de-skewed
+  std::optional<std::int64_t> broken_;          // us, end of a scan that did not follow the previous one in time
+  std::optional<scan::Scan> first_;             // without odometry, until its motion is known
+  std::vector<scan::LidarPoint> first_points_;  // of first_, de-skewed
   PoseTrust trust_;
   TurnCheck turns_;
   PairMotion pairs_;
   WayCheck way_;
-  std::optional<Last> agreed_;               // when odometry last went where the scans do, in this map
-  const scan::OdometryHistory no_odometry_;  // where it is denied
+  std::optional<Last> agreed_;               // when odometry and scans last agreed, in this map
+  const scan::OdometryHistory no_odometry_;  // used while odometry is denied
   double lidar_yaw_;
-  bool turns_otherwise_ = false;  // a scan did, against odometry, and none was believed since
+  bool turns_otherwise_ = false;  // see turns_otherwise()
   std::int64_t turned_otherwise_ = 0;
   int sparse_in_a_row_ = 0;
   scan::Twist twist_;     // over the last scan
-  MotionFilter motion_;   // until now
+  MotionFilter motion_;   // estimated without odometry
   double stride_ = 0.05;  // s from scan to scan
-  int steady_ = 0;        // scans in a row that fitted and tell of the motion between them
+  int steady_ = 0;        // scans in a row that fitted and show the motion between them
   MotionJitterCovariance motion_jitter_;
-  Pose T_map_keyframe_ = Pose::Identity();  // when the registration map last took a scan
+  Pose T_map_keyframe_ = Pose::Identity();  // at the last scan that the registration map took
   Counters counters_;
 };
 

@@ -5,19 +5,19 @@
 #include "services/mapper/tracking/tracker.hpp"
 
 /// @file
-/// Tracker: what it believes of odometry.
+/// Tracker: checks of odometry, and its use without registration.
 
 namespace curbstone::mapper::tracking {
 namespace {
 
-constexpr double kLeap = 0.03;       // rad from scan to scan that no vehicle's turning changes by
-constexpr int kSparse = 10;          // scans in a row
-constexpr double kLongestAlone = 5;  // s that a speed is taken for steady
+constexpr double kLeap = 0.03;       // rad, change of the turn from scan to scan that no vehicle makes
+constexpr int kSparse = 10;          // scans in a row that are a fault
+constexpr double kLongestAlone = 5;  // s for which a speed is taken as constant
 
 }  // namespace
 
-/// Where odometry has the vehicle now. The last scan before a gap may outrun its odometry: then what it moved itself
-/// goes on from where odometry had it a moment ago.
+/// Stores odometry's pose at the last scan's end. The last scan before a gap may end after its odometry: then the
+/// latest pose by odometry is moved on by the motion of the scans.
 void Tracker::note_odometry(const Last& before, const scan::OdometryHistory& odometry) {
   if (odometry.covers(last_->end, last_->end)) {
     last_->T_odom_base = odometry.at(last_->end);
@@ -28,8 +28,8 @@ void Tracker::note_odometry(const Last& before, const scan::OdometryHistory& odo
   }
 }
 
-/// Hardly anything came back: fog, dust, an open field, a covered window. That is no reason to doubt odometry, which
-/// leads on. Nothing if it cannot: then the scan changes nothing.
+/// Processes a scan with too few points: fog, dust, an open field, a covered window. That is no reason to doubt
+/// odometry, which continues the pose. Nothing, and no change of pose or map, if odometry cannot.
 std::optional<Tracked> Tracker::pass_over(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
   if (!last_ || first_ || way_.denied() || scan.end <= last_->end) return std::nullopt;
   MotionExpectation expected = expect_motion(config_, recent(), scan, odometry);
@@ -44,7 +44,7 @@ std::optional<Tracked> Tracker::pass_over(const scan::Scan& scan, const scan::Od
   return tracked;
 }
 
-/// Now and then: whether odometry goes where two scans alone say.
+/// Compares odometry's way with that of two scans alone, about once a second.
 void Tracker::check_way(const Tracked& tracked, const scan::OdometryHistory& odometry) {
   if (!odometry.covers(tracked.utime, tracked.utime)) return pairs_.interrupt();
   const Pose T_odom_base = odometry.at(tracked.utime);
@@ -57,8 +57,8 @@ void Tracker::check_way(const Tracked& tracked, const scan::OdometryHistory& odo
   if (way_.denied() && !was_denied) go_by_scans(*pair, T_odom_base);
 }
 
-/// Odometry has led elsewhere since it last agreed with the scans. The vehicle is where their speed has led from there,
-/// turned as odometry has it.
+/// Odometry has gone wrong since it last agreed with the scans. Moves the vehicle to where the scans' speed leads from
+/// the pose of that time, with odometry's turn.
 void Tracker::go_by_scans(const WayCheck::Pair& pair, const Pose& T_odom_base) {
   scan::Twist twist;
   twist.linear.head<2>() = pair.by_scans / pair.seconds;
@@ -80,7 +80,7 @@ void Tracker::note_turn(const Tracked& tracked, const scan::OdometryHistory& odo
   }
 }
 
-/// Wheels and gyro, if they agree, outvote a registration. Odometry that leaps is no witness.
+/// Wheels and gyro, if they agree, outvote a registration. Odometry that leaps is not used for that.
 bool Tracker::contradicts_odometry(const Attempt& found, const scan::Scan& scan,
                                    const scan::OdometryHistory& odometry) const {
   if (!config_.turn_by_odometry || !found.believed || !last_->T_odom_base || !odometry.covers(last_->end, scan.end) ||
@@ -93,7 +93,7 @@ bool Tracker::contradicts_odometry(const Attempt& found, const scan::Scan& scan,
   return leap < kLeap && turns_.contradicts(scan.end, found.fit.result.T_map_base, T_odom_base);
 }
 
-/// The vehicle is where odometry has led to from before the registration began to slide.
+/// A refused scan, at the pose that odometry predicts from before the registration began to slide.
 Tracker::Attempt Tracker::by_odometry(const scan::Scan& scan, const scan::OdometryHistory& odometry) const {
   Attempt refused{matcher_.expect(departure(), scan, expect_motion(config_, recent(), scan, odometry)), "refused.turn"};
   refused.fit.prior.T_map_base = normalised(turns_.by_odometry(odometry.at(scan.end)));

@@ -8,38 +8,39 @@
 
 namespace curbstone::mapper::tracking {
 
-/// Whether a registration turns otherwise than odometry in which wheels and gyro agree, after they and the scans have
-/// agreed for long. Such a registration follows something large on both sides that drives along with the vehicle: most
-/// of the scan's points stand still in base_link. A gyro whose scale is wrong turns otherwise than the wheels in a
-/// bend; one whose bias has leapt does until the filter has learnt to explain it, and otherwise than the scans ever
-/// after. Neither is believed against the scans.
+/// Detects a registration whose turn contradicts odometry, where wheels and gyro agree and odometry agreed with the
+/// scans for a long time before. Such a registration follows something large on both sides that drives along with the
+/// vehicle: most of the scan's points stand still in base_link. A faulty gyro does not outvote the scans: one with a
+/// wrong scale contradicts the wheels in a bend; one whose bias leapt contradicts the wheels until the filter explains
+/// it, and from then on the scans.
 ///
-/// It does not see what slides by less than PosePairs::kMostTurn in a second, nor what slides without turning: on a
-/// straight road max_jump_m alone tells.
+/// It does not detect a registration that slides by less than PosePairs::kMostTurn in a second, or without turning: on
+/// a straight road only max_jump_m does.
 ///
 /// Pure; one thread.
 class TurnCheck {
  public:
-  static constexpr std::int64_t kPatience = 10'000'000;   ///< us: for so long odometry is believed rather than scans
-  static constexpr std::int64_t kProbation = 10'000'000;  ///< us: for so long they must have agreed before
+  static constexpr std::int64_t kPatience = 10'000'000;   ///< us for which odometry is used instead of scans
+  static constexpr std::int64_t kProbation = 10'000'000;  ///< us for which both must have agreed before
 
-  /// A scan that ended at `utime`, us, was believed.
+  /// Adds an accepted scan that ended at `utime`, us.
   void add(std::int64_t utime, const Pose& T_map_base, const Pose& T_odom_base);
-  /// The map's frame has moved, or odometry has a gap: what comes is not compared with what was.
+  /// Clears the history, as the map's frame has moved or odometry has a gap: later poses are not compared with earlier
+  /// ones.
   void clear() { believed_.clear(); }
-  /// Whether a pose by registration contradicts odometry that is to be believed rather.
+  /// Whether a registered pose contradicts odometry, and odometry should be used instead.
   [[nodiscard]] bool contradicts(std::int64_t utime, const Pose& T_map_base, const Pose& T_odom_base) const;
-  /// Whether no scan has been believed for so long that scans are right, perhaps, and odometry is not.
+  /// Whether no scan has been accepted for kPatience, or none at all: the scans may be right, and odometry wrong.
   [[nodiscard]] bool gives_up(std::int64_t utime) const;
-  /// Where odometry has led from a second before the last scan that was believed: before the registration began to
-  /// slide. One must have been.
+  /// The pose in map that odometry predicts from a second before the last accepted scan, before the registration began
+  /// to slide. Requires an accepted scan.
   [[nodiscard]] Pose by_odometry(const Pose& T_odom_base) const { return believed_.by_odometry(T_odom_base); }
 
  private:
   [[nodiscard]] bool apart(const Pose& T_map_base, const Pose& T_odom_base) const;
 
   scan::PosePairs believed_;
-  std::optional<std::int64_t> apart_;  // us, when odometry and a scan that was believed last differed, or the start
+  std::optional<std::int64_t> apart_;  // us, when odometry last differed from an accepted scan, or start
 };
 
 }  // namespace curbstone::mapper::tracking

@@ -9,15 +9,15 @@
 namespace curbstone::mapper::tracking {
 namespace {
 
-constexpr double kSameWay = 0.06;        // m that the two ways may differ by,
-constexpr double kSameShare = 0.15;      // and share of the longer one,
-constexpr double kSureWay = 4;           // and sigmas
-constexpr double kClearlyMore = 1.03;    // agreement that tells one way from the other
-constexpr double kDirectionFrom = 0.03;  // m, that tell a direction
-constexpr double kTellsFrom = 0.12;      // m: about a vehicle that hardly moves two ways agree whatever is wrong
-constexpr double kAside = 0.35;          // rad, from which it is another one
-constexpr double kSlow = 0.5;            // m/s
-constexpr double kGoesOn = 0.3;          // share of its speed that a vehicle may gain or lose meanwhile
+constexpr double kSameWay = 0.06;        // m by which the two ways may differ,
+constexpr double kSameShare = 0.15;      // plus this share of the longer one,
+constexpr double kSureWay = 4;           // and at least this number of sigmas for a fault
+constexpr double kClearlyMore = 1.03;    // factor in agreement by which the scans' way must be better
+constexpr double kDirectionFrom = 0.03;  // m, shortest way that has a direction
+constexpr double kTellsFrom = 0.12;      // m, shortest way that can end a fault: near standstill both ways always agree
+constexpr double kAside = 0.35;          // rad, from which directions differ
+constexpr double kSlow = 0.5;            // m/s, speed below which the LiDAR is not believed
+constexpr double kGoesOn = 0.3;          // share of its speed by which a vehicle may change meanwhile
 constexpr double kDirectionSpread = 0.5;
 
 double to_the_left(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -46,7 +46,7 @@ void WayCheck::add(const Pair& pair) {
   if (others_.size() == kLeast) decide();
 }
 
-/// A vehicle whose LiDAR is turned drives aslant all the time.
+/// Decides between a wrong yaw of the LiDAR, which shows the same direction in all pairs, and wrong odometry.
 void WayCheck::decide() {
   const State before = state_;
   double sum = 0;

@@ -11,43 +11,43 @@
 
 namespace curbstone::mapper::tracking {
 
-/// Whether odometry goes as far as two scans alone (PairMotion) say, and in the same direction. Registration to the map
-/// does not tell: it begins where odometry leads, and on a street that looks the same for metres, or once the vehicle
-/// has left the reach of a few decimetres, it stays there.
+/// Compares the way by odometry with the way by two scans alone (PairMotion), in distance and direction. Registration
+/// to the map does not show a difference: it begins at the pose that odometry predicts, and stays there on a street
+/// that looks the same for metres, or once the vehicle is beyond its reach of a few decimetres.
 ///
-/// Once kLeast pairs in a row say that the vehicle goes elsewhere it is a fault, until as many say that it does not.
-/// Where they agree on a direction that is not odometry's, it is the LiDAR that is mounted otherwise. Else the LiDAR is
-/// believed if the vehicle goes on by it as it did when both agreed: then it is no lorry beside it that the LiDAR
-/// follows. Pairs that show odometry's way as well as their own say nothing. A value; pure. Counters:
-/// faults.odometry.way, faults.lidar.aside (times that it began).
+/// kLeast pairs in a row that differ are a fault, until as many agree. If they agree on a direction that is not
+/// odometry's, the LiDAR's yaw is wrong. Otherwise the LiDAR is believed, and odometry denied, if by the LiDAR the
+/// vehicle moves as it did when both last agreed: then the LiDAR does not follow a lorry beside the vehicle. Pairs that
+/// agree with odometry's way as well as with their own are ignored. A value; pure. Counters: faults.odometry.way,
+/// faults.lidar.aside (times that it began).
 class WayCheck {
  public:
   static constexpr std::size_t kLeast = 3;  ///< pairs in a row
 
-  /// Two scans shortly after each other.
+  /// Two scans a short time apart.
   struct Pair {
     std::int64_t utime = 0;                                 ///< us, the end of the second
     double seconds = 0;                                     ///< between their ends
     Eigen::Vector2d by_odometry = Eigen::Vector2d::Zero();  ///< m, x and y of base_link
     Eigen::Vector2d by_scans = Eigen::Vector2d::Zero();
     double sigma = 0;                    ///< m, 1 sigma of by_scans
-    double agreement = 0;                ///< 0..1, of the scans with by_scans,
-    double agreement_with_odometry = 0;  ///< and with by_odometry
+    double agreement = 0;                ///< 0..1, share of points that fit with by_scans
+    double agreement_with_odometry = 0;  ///< the same with by_odometry
   };
   void add(const Pair& pair);
 
-  /// Odometry goes elsewhere than the LiDAR,
+  /// Odometry's way differs from the LiDAR's, and not by a constant direction.
   [[nodiscard]] bool apart() const { return state_ == State::kDistance; }
-  /// and it is the LiDAR that is believed.
+  /// apart(), and the LiDAR is believed.
   [[nodiscard]] bool denied() const { return apart() && goes_on_; }
-  /// rad that the LiDAR's way is to the left of odometry's, where that is what is wrong.
+  /// rad by which the LiDAR's way points to the left of odometry's; nothing if the direction is not the fault.
   [[nodiscard]] std::optional<double> aside() const;
-  /// The last pair said so: the next should come soon.
+  /// The last pair differed, and there is no fault yet: the next pair should come soon.
   [[nodiscard]] bool in_doubt() const { return !others_.empty() && state_ == State::kGood; }
-  /// No pair has agreed yet on a way that a vehicle goes which does not stand.
+  /// No pair of a moving vehicle has agreed with odometry yet.
   [[nodiscard]] bool is_new() const { return is_new_; }
   [[nodiscard]] bool good() const { return others_.empty() && state_ == State::kGood; }
-  /// `yaw`: rad, of vehicle.lidar.
+  /// Appends the fault in words. `yaw`: rad, of vehicle.lidar.
   void add_faults(std::vector<std::string>& faults, double yaw) const;
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -56,9 +56,9 @@ class WayCheck {
   void decide();
 
   State state_ = State::kGood;
-  std::deque<Pair> others_;                        // in a row, up to kLeast
-  std::size_t same_ = 0;                           // in a row
-  Pair last_;                                      // that differed
+  std::deque<Pair> others_;                        // pairs in a row that differ, up to kLeast
+  std::size_t same_ = 0;                           // pairs in a row that agree
+  Pair last_;                                      // the last pair that differed
   Eigen::Vector2d was_ = Eigen::Vector2d::Zero();  // m/s by the scans, when both last agreed
   bool goes_on_ = false;
   bool is_new_ = true;
