@@ -5,12 +5,16 @@
 namespace curbstone {
 
 /// A lost vehicle maps nothing, and the mapper may begin a new drive with another map. Therefore each stage then
-/// computes and publishes what it would otherwise leave to the end of the drive, unless that is too much: the mapper
-/// after 6 s, the voters after 8 s, semantic_map after 10 s; a new drive begins after 12 s at the earliest. A value,
+/// computes and publishes what it would otherwise leave to the end of the drive, unless that is too much. A value,
 /// pure.
 class LostPause {
  public:
-  /// `after`: us of MAP_POSE.
+  // us of being lost, in the order of the stages; the mapper begins a new drive after 12 s at the earliest.
+  static constexpr std::int64_t kMapper = 6'000'000;
+  static constexpr std::int64_t kVoters = 8'000'000;
+  static constexpr std::int64_t kSemanticMap = 10'000'000;
+
+  /// `after`: one of these.
   explicit LostPause(std::int64_t after) : after_(after) {}
 
   /// Takes a MAP_POSE: its time, us, and whether it is LOST.

@@ -13,7 +13,6 @@ constexpr std::int64_t kMostRemovals = 400'000;      // removal records, from wh
 constexpr double kStandsStill = 0.5;                 // s without motion, after which a vehicle without odometry stands
 constexpr std::int64_t kSearchPeriod = 500'000;      // us between two searches for a lost vehicle,
 constexpr std::int64_t kSearchAnywhere = 2'000'000;  // and of the whole map, which takes most of a second
-constexpr double kSettleAfter = 6;                   // s of search, then pending points go in: no scan will settle them
 
 }  // namespace
 
@@ -66,7 +65,10 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::
   update.has_moved = standstill_.has_moved;
   update.rearranged = (relocalised && relocalised->rolled_back) || (mapped && mapped->rearranged);
   update.start_is_over = mapped && mapped->start_is_over;
-  update.hopeless = is_hopeless(scan.end, is_sought && !relocalised, T_odom_base);
+  if (fix == tracking::Fix::kTracking) end_search();
+  const bool is_in_vain = is_sought && !relocalised;
+  if (is_in_vain) note_failed_search(scan.end, T_odom_base);
+  update.wants_new_drive = is_in_vain && failed_search_.is_hopeless();
   update.points = tracked->points;
   return update;
 }
@@ -90,19 +92,17 @@ std::optional<Mapper::Relocalisation> Mapper::relocalise(const tracking::Tracked
   return Relocalisation{found->T_map_base, found->covariance, rolled_back};
 }
 
-/// Whether a lost vehicle, part of whose motion was not measured, has been searched for long enough in the map of this
-/// drive. A loaded map is never given up, as the vehicle is meant to be found in it.
-bool Mapper::is_hopeless(std::int64_t utime, bool is_sought, const std::optional<Pose>& T_odom_base) {
-  if (tracker_.fix() == tracking::Fix::kTracking) {
-    in_vain_ = {};
-    is_settled_ = false;
-  }
-  if (!is_sought || !tracker_.adrift() || config_.mode != config::MapMode::kMap) return false;
+/// Counts the search for a lost vehicle, part of whose motion was not measured. Pending points go into the map once no
+/// scan is likely to settle them; not while the map moves, which must not take more than its share of a scan. A loaded
+/// map is never given up, as the vehicle is meant to be found in it.
+void Mapper::note_failed_search(std::int64_t utime, const std::optional<Pose>& T_odom_base) {
+  if (!tracker_.adrift() || config_.mode != config::MapMode::kMap) return;
   std::optional<Eigen::Vector3d> in_odom;
   if (T_odom_base) in_odom = T_odom_base->translation();
-  in_vain_.add(utime, in_odom);
-  if (in_vain_.seconds() >= kSettleAfter && !std::exchange(is_settled_, true)) settled_ = dense_->finish();
-  return in_vain_.is_hopeless();
+  failed_search_.add(utime, in_odom);
+  if (failed_search_.seconds() < LostPause::kMapper * 1e-6 || is_settled_ || dense_->is_moving()) return;
+  is_settled_ = true;
+  settled_ = dense_->finish();
 }
 
 /// If odometry was there all along and contradicts the way from the last mapped pose to `T_map_base`, but agrees with

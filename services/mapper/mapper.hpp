@@ -9,8 +9,10 @@
 #include "common/bus/counters.hpp"
 #include "common/geometry/geometry.hpp"
 #include "common/packing/spill_file.hpp"
+#include "common/tile_sync/lost_pause.hpp"
 #include "services/mapper/config/mapper_config.hpp"
 #include "services/mapper/dense_map/dense_worker.hpp"
+#include "services/mapper/failed_search.hpp"
 #include "services/mapper/intensity/ring_scale.hpp"
 #include "services/mapper/journal/recorded_drive.hpp"
 #include "services/mapper/local_map.hpp"
@@ -26,7 +28,6 @@
 #include "services/mapper/storage/saved_map.hpp"
 #include "services/mapper/tracking/tracker.hpp"
 #include "services/mapper/trajectory.hpp"
-#include "services/mapper/vain_search.hpp"
 
 namespace curbstone::mapper {
 
@@ -46,7 +47,7 @@ struct MapperUpdate {
   bool has_moved = false;           ///< the first standstill is over
   bool rearranged = false;          ///< a loop was closed, or the map was rolled back: every tile may differ
   bool start_is_over = false;       ///< the drive's own map replaces that of the first standstill: likewise
-  bool hopeless = false;            ///< lost, and not found in this map: another mapper should begin a new map
+  bool wants_new_drive = false;     ///< lost, and not found in this map: another mapper should begin a new map
   scan::SharedPoints points;        ///< of the scan, de-skewed, in base_link; never null
 };
 
@@ -166,7 +167,8 @@ class Mapper {
   void take_up(const journal::RecordedPose& last, const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] std::optional<Relocalisation> relocalise(const tracking::Tracked& tracked,
                                                          const std::optional<Pose>& T_odom_base);
-  [[nodiscard]] bool is_hopeless(std::int64_t utime, bool is_sought, const std::optional<Pose>& T_odom_base);
+  void note_failed_search(std::int64_t utime, const std::optional<Pose>& T_odom_base);
+  void end_search() { failed_search_ = {}, is_settled_ = false; }
   [[nodiscard]] bool roll_back_to_agreement(const Pose& T_map_base, std::int64_t utime,
                                             const std::optional<Pose>& T_odom_base);
   [[nodiscard]] Mapped map(const tracking::Tracked& tracked);
@@ -197,7 +199,7 @@ class Mapper {
   std::optional<journal::RecordedPose> left_off_;  // last pose of the mapper that died, until the first scan
   scan::Twist left_off_twist_;                     // at that pose
   std::int64_t searched_ = 0;                      // us, end of the scan of the last search
-  VainSearch in_vain_;
+  FailedSearch failed_search_;
   bool is_settled_ = false;       // dense_->finish() was called since the vehicle was lost
   std::vector<TileKey> settled_;  // tiles that this call changed, until take_changed()
   Pose T_map_odom_ = Pose::Identity();

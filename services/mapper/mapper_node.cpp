@@ -157,7 +157,7 @@ void MapperNode::process(scan::Scan scan) {
   keep_pose(*update);
   has_unsent_ = true;
   is_pause_ = false;
-  if (update->hopeless) begin_new_drive();
+  if (update->wants_new_drive) begin_new_drive();
 }
 
 /// While odometry coasts on the wheels, its turn is not compared with the LiDAR's.
@@ -311,7 +311,7 @@ NodeReport MapperNode::report() const {
   if (!far_->fault().empty()) report.faults.push_back("far tiles stay in memory: " + far_->fault());
   if (saver_ && !saver_->fault().empty()) report.faults.push_back(saver_->fault());
   if (journal_ && !journal_->fault().empty()) report.faults.push_back(journal_->fault());
-  if (!not_gone_on_.empty() && last_end_ - first_lidar_ < kReportedFor) report.faults.push_back(not_gone_on_);
+  if (!why_new_map_.empty() && last_end_ - first_lidar_ < kReportedFor) report.faults.push_back(why_new_map_);
   packets_.add_faults(report.faults);
   watch_.add_faults(report.faults);
   mapper_->add_faults(report.faults);

@@ -95,7 +95,7 @@ class MapperNode final : public Node {
   std::optional<storage::MapVersions> loaded_;  // what the folder of the loaded map holds, until the first epoch
   std::int64_t kept_ = 0;                       // us, when the map was last saved; 0: never
   std::optional<journal::DriveJournal> journal_;
-  std::string not_gone_on_;                           // why the previous drive was not continued
+  std::string why_new_map_;                           // why the previous drive was not continued
   std::vector<journal::RecordedPose> resumed_drive_;  // of the mapper that died, until it is sent
   std::vector<journal::RecordedPose> start_drive_;    // of the first standstill, until it is over
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();

@@ -71,7 +71,7 @@ bool MapperNode::resume_drive() {
     return true;
   } catch (const journal::JournalError& error) {
     counters_.add("journal.refused");
-    not_gone_on_ = fmt::format("a new map begins: {}", error.what());
+    why_new_map_ = fmt::format("a new map begins: {}", error.what());
     return false;
   }
 }
@@ -83,13 +83,13 @@ void MapperNode::begin_new_drive() {
   counters_.add("new_drives");
   const Counters method = mapper_->counters();
   for (const auto& [name, value] : method.values()) counters_.add(name, value);
-  not_gone_on_ = "a new map begins: the vehicle was lost and is not to be found in what this drive had mapped";
+  why_new_map_ = "a new map begins: the vehicle was lost and is not to be found in what this drive had mapped";
   if (saver_) {
     (void)mapper_->finish();
     const std::vector<TrajectoryPoint> drive = mapper_->trajectory();
     const std::int64_t began = drive.empty() ? last_end_ : drive.front().utime;
     const auto beside = saver_->set_aside(mapper_->snapshot(epoch_, saver_->on_disk()), began);
-    not_gone_on_ += fmt::format(", which stays in {}", beside.string());
+    why_new_map_ += fmt::format(", which stays in {}", beside.string());
   }
   mapper_.emplace(config_, far_);
   watch_.begin_map();

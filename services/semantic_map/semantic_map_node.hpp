@@ -120,7 +120,7 @@ class SemanticMapNode final : public Node {
   bool has_epoch_ = false;
   bool drive_started_ = false;
   std::int64_t last_pose_utime_ = 0;
-  LostPause pause_{10'000'000};
+  LostPause pause_{LostPause::kSemanticMap};
   std::int64_t newest_utime_ = 0;  // of any input
   Eigen::Vector2d vehicle_ = Eigen::Vector2d::Zero();
   tile::DrivenPath path_;

@@ -20,7 +20,7 @@ constexpr float kMaxHeight = 1e5F;           // m
 
 TileKey key_of(SQLite::Statement& row, const std::string& path) {
   const std::int64_t x = row.getColumn(0).getInt64(), y = row.getColumn(1).getInt64();
-  if (std::abs(x) > kMaxKey || std::abs(y) > kMaxKey)
+  if (x < -kMaxKey || x > kMaxKey || y < -kMaxKey || y > kMaxKey)
     throw MapStoreError(fmt::format("{}: tile ({}, {}) is damaged: none is so far from the origin", path, x, y));
   return {static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
 }

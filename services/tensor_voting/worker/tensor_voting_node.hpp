@@ -99,7 +99,7 @@ class TensorVotingNode final : public Node {
   std::int64_t chain_ = 0;
 
   EpochFollower epochs_;
-  LostPause pause_{8'000'000};
+  LostPause pause_{LostPause::kVoters};
   std::int32_t epoch_ = 0;  // the present epoch, once there is one
   double x_ = 0;            // position of the vehicle, m in map
   double y_ = 0;

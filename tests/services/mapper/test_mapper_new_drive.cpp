@@ -54,7 +54,7 @@ struct BlindDrive : test::MapperDrive {
   double given_up_after() {
     for (int i = 0; i < 520; ++i) {
       const auto update = step();
-      if (update && update->hopeless) return i * kPeriod;
+      if (update && update->wants_new_drive) return i * kPeriod;
     }
     return 26;
   }

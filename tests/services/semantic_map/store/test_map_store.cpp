@@ -138,9 +138,10 @@ TEST_F(MapStoreTest, LeavesForeignAndDamagedFilesUntouched) {
 TEST_F(MapStoreTest, DamagedTilesCurbsAndPosesAreSaid) {
   const std::vector<tile::CurbLine> curbs = {{0, 0.75F, false, {{1, 2, 3, 0.12F, 0, 1}, {1.1F, 2, 3, 0.11F, 0, 1}}}};
   for (const char* damage :
-       {"UPDATE tiles SET x = 2000000", "UPDATE tiles SET y = 4294967298", "UPDATE tiles SET z_origin = 1e30",
-        "UPDATE tiles SET cells = x'0102'", "UPDATE curbs SET confidence = 1e300", "UPDATE curbs SET points = x'01'",
-        "UPDATE trajectory SET x = 1e300", "UPDATE trajectory SET qw = 0, qx = 0, qy = 0, qz = 0"}) {
+       {"UPDATE tiles SET x = 2000000", "UPDATE tiles SET x = -9223372036854775807 - 1",
+        "UPDATE tiles SET y = 4294967298", "UPDATE tiles SET z_origin = 1e30", "UPDATE tiles SET cells = x'0102'",
+        "UPDATE curbs SET confidence = 1e300", "UPDATE curbs SET points = x'01'", "UPDATE trajectory SET x = 1e300",
+        "UPDATE trajectory SET qw = 0, qx = 0, qy = 0, qz = 0"}) {
     fs::remove(path_);
     {
       MapStore store(path_);

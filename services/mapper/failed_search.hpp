@@ -9,7 +9,7 @@ namespace curbstone::mapper {
 /// Time and distance of an unsuccessful search for a lost vehicle whose motion no sensor measured for a while. The
 /// vehicle may still be in sight of the map, so it is searched for at several places; a vehicle that stands by odometry
 /// is not given up. A value, pure.
-class VainSearch {
+class FailedSearch {
  public:
   /// Adds a scan with enough points that ended at `utime`, us, and in which the vehicle was not found. `in_odom`: the
   /// vehicle's position in the odom frame at that time, m; nothing if unknown.
@@ -30,7 +30,7 @@ class VainSearch {
   [[nodiscard]] bool is_hopeless() const { return (seconds() >= kLong && path_ >= kFar) || unguided_ >= kLongUnguided; }
 
  private:
-  static constexpr double kLong = 12;          // s, about six searches of the whole map, and
+  static constexpr double kLong = 12;          // s, later than LostPause; about six searches of the whole map, and
   static constexpr double kFar = 24;           // m by odometry, or
   static constexpr double kLongUnguided = 24;  // s without odometry
   static constexpr double kLongestStep = 1;    // s between two scans that are counted
