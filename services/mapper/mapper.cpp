@@ -38,7 +38,8 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::
   if (tracked->began) standstill_ = Standstill::at(tracked->utime, tracked->T_map_base);
 
   // Not sought while registration follows something beside the vehicle: that looks the same everywhere.
-  const bool is_sought = tracked->fix == tracking::Fix::kLost && !tracked->sparse && !tracker_.turns_otherwise();
+  const bool is_sought = tracked->fix == tracking::Fix::kLost && !tracked->sparse && !tracker_.turns_otherwise() &&
+                         !tracker_.mount().shakes();
   const auto relocalised = is_sought ? relocalise(*tracked, T_odom_base) : std::nullopt;
   const auto mapped = tracked->maps ? std::optional(map(*tracked)) : std::nullopt;
 
@@ -266,8 +267,8 @@ std::vector<TileKey> Mapper::finish() {
 
 Counters Mapper::counters() const {
   Counters all = counters_;
-  for (const Counters* part : {&tracker_.counters(), &tracker_.way().counters(), &closer_.counters(),
-                               &scale_.counters(), &dense_->counters()}) {
+  for (const Counters* part : {&tracker_.counters(), &tracker_.way().counters(), &tracker_.mount().counters(),
+                               &closer_.counters(), &scale_.counters(), &dense_->counters()}) {
     for (const auto& [name, value] : part->values()) all.add(name, value);
   }
   return all;

@@ -54,11 +54,16 @@ ScanMatcher::ScanMatcher(const config::RegistrationConfig& config, const Vehicle
     : config_(config),
       max_speed_(max_speed),
       T_base_lidar_(vehicle.T_base_lidar()),
+      R_base_lidar_(T_base_lidar_.linear()),
       own_body_(body_of(vehicle)),
       registration_(registration::make_registration(config, T_base_lidar_.translation())) {}
 
 void ScanMatcher::clear_map() {
   registration_ = registration::make_registration(config_, T_base_lidar_.translation());
+}
+
+void ScanMatcher::set_mount_yaw(double yaw) {
+  T_base_lidar_.linear() = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * R_base_lidar_;
 }
 
 std::vector<scan::LidarPoint> ScanMatcher::in_base(const scan::Scan& scan, const scan::SweepMotion& sweep) const {

@@ -46,6 +46,8 @@ class ScanMatcher {
   [[nodiscard]] registration::Registration& map() { return *registration_; }
   [[nodiscard]] const registration::Registration& map() const { return *registration_; }
   void clear_map();
+  /// Sets how far the LiDAR has turned in its mount: `yaw`, rad, to the left of `vehicle.lidar`.
+  void set_mount_yaw(double yaw);
 
   /// The scan at its predicted pose, not registered.
   [[nodiscard]] Fit expect(const Departure& from, const scan::Scan& scan, MotionExpectation expected) const;
@@ -68,6 +70,7 @@ class ScanMatcher {
   config::RegistrationConfig config_;
   double max_speed_;
   Pose T_base_lidar_;
+  Eigen::Matrix3d R_base_lidar_;  ///< as in the vehicle's file
   Eigen::AlignedBox3f own_body_;  ///< in base_link, m
   std::unique_ptr<registration::Registration> registration_;
 };

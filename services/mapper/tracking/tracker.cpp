@@ -29,6 +29,7 @@ Tracker::Tracker(const config::TrackerConfig& config, const config::Registration
     : config_(config),
       keeps_map_(keeps_map),
       matcher_(registration, vehicle, config.max_speed),
+      mount_(vehicle.T_base_lidar().translation()),
       pairs_(registration, vehicle.T_base_lidar().translation()),
       lidar_yaw_(roll_pitch_yaw(vehicle.T_base_lidar().linear()).z()) {}
 
@@ -92,6 +93,7 @@ Tracker::Attempt Tracker::attempt(const scan::Scan& scan, const scan::OdometryHi
   const bool guided = expected.with_odometry;
   if (first_ && !guided) return judged(matcher_.fit_second(from, *first_, scan));
   Attempt first = judged(matcher_.fit(from, scan, std::move(expected), motion_));
+  if (guided && !is_mount_firm(first, scan, odometry)) return first;
   if (first.believed) return first;
   Attempt second = guided ? attempt_without_odometry(from, scan) : attempt_from_afar(from, scan);
   return second.believed ? second : first;

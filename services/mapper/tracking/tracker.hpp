@@ -11,6 +11,7 @@
 #include "common/geometry/geometry.hpp"
 #include "services/mapper/config/registration_config.hpp"
 #include "services/mapper/config/tracker_config.hpp"
+#include "services/mapper/mounting/mount_yaw.hpp"
 #include "services/mapper/registration/registration.hpp"
 #include "services/mapper/scan/deskew.hpp"
 #include "services/mapper/scan/keyframe.hpp"
@@ -58,9 +59,10 @@ struct Tracked {
 /// depends on the sequence of calls alone. Pure; one thread.
 ///
 /// Counters: revolutions, keyframes, refused.sparse, refused.time, refused.not_converged, refused.overlap,
-/// refused.inliers, refused.residual, refused.jump, refused.turn (contradicts wheels and gyro), odometry.not_believed,
-/// without_odometry, lost.blind (no sensor measured the motion for too long), bridged (likewise, but odometry and LiDAR
-/// agree on the pose now), lost.refused (no scan fitted for too long), found, began_anew (on odometry alone).
+/// refused.inliers, refused.residual, refused.jump, refused.turn (contradicts wheels and gyro), refused.mount (the
+/// LiDAR turns in its mount), odometry.not_believed, without_odometry, lost.blind (no sensor measured the motion for
+/// too long), bridged (likewise, but odometry and LiDAR agree on the pose now), lost.refused (no scan fitted for too
+/// long), found, began_anew (on odometry alone).
 class Tracker {
  public:
   /// `keeps_map` false: the registration map is that of an earlier drive and takes no scans.
@@ -103,7 +105,9 @@ class Tracker {
   [[nodiscard]] const Counters& counters() const { return counters_; }
   /// Whether odometry and scans agree on the way. While odometry is denied, the tracker uses scans alone.
   [[nodiscard]] const WayCheck& way() const { return way_; }
-  /// Appends the faults of way(), and of scans with too few points.
+  /// Whether the LiDAR turns in its mount. Its turns are corrected.
+  [[nodiscard]] const mounting::MountYaw& mount() const { return mount_; }
+  /// Appends the faults of way(), of mount(), and of scans with too few points.
   void add_faults(std::vector<std::string>& faults) const;
   /// A scan was refused because its turn contradicts wheels and gyro, and no scan was accepted since. Ends when
   /// TurnCheck gives up.
@@ -137,6 +141,8 @@ class Tracker {
                                                       const scan::OdometryHistory& odometry);
   [[nodiscard]] Attempt attempt_without_odometry(const Departure& from, const scan::Scan& scan);
   [[nodiscard]] Attempt attempt_from_afar(const Departure& from, const scan::Scan& scan);
+  [[nodiscard]] bool turns_steadily(std::int64_t from, std::int64_t to, const scan::OdometryHistory& odometry) const;
+  [[nodiscard]] bool is_mount_firm(Attempt& found, const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] bool contradicts_odometry(const Attempt& found, const scan::Scan& scan,
                                           const scan::OdometryHistory& odometry) const;
   [[nodiscard]] Attempt by_odometry(const scan::Scan& scan, const scan::OdometryHistory& odometry) const;
@@ -165,6 +171,7 @@ class Tracker {
   std::vector<scan::LidarPoint> first_points_;  // of first_, de-skewed
   PoseTrust trust_;
   TurnCheck turns_;
+  mounting::MountYaw mount_;
   PairMotion pairs_;
   WayCheck way_;
   std::optional<Last> agreed_;               // when odometry and scans last agreed, in this map

@@ -10,9 +10,10 @@
 namespace curbstone::mapper::tracking {
 namespace {
 
-constexpr double kLeap = 0.03;       // rad, change of the turn from scan to scan that no vehicle makes
-constexpr int kSparse = 10;          // scans in a row that are a fault
-constexpr double kLongestAlone = 5;  // s for which a speed is taken as constant
+constexpr double kLeap = 0.03;  // rad, change of the turn from scan to scan that no vehicle makes
+constexpr double kSteady = 0.5 * mounting::MountYaw::kTurn;  // rad, the like within two scans that some vehicles make
+constexpr int kSparse = 10;                                  // scans in a row that are a fault
+constexpr double kLongestAlone = 5;                          // s for which a speed is taken as constant
 
 }  // namespace
 
@@ -80,6 +81,37 @@ void Tracker::note_turn(const Tracked& tracked, const scan::OdometryHistory& odo
   }
 }
 
+/// Whether odometry's turn between two scans is measured, and is that of a vehicle: wheels and gyro agree on it, or it
+/// changes no faster than a vehicle can.
+bool Tracker::turns_steadily(std::int64_t from, std::int64_t to, const scan::OdometryHistory& odometry) const {
+  const std::int64_t before = from - (to - from);
+  if (!odometry.covers(from, to)) return false;
+  if (odometry.turn_confirmed(from, to)) return true;
+  if (!odometry.covers(before, to) || !odometry.with_gyro(before, to)) return false;
+  const Pose T_middle_odom = odometry.at(from).inverse();
+  return angle_of(T_middle_odom * odometry.at(to) * (T_middle_odom * odometry.at(before))) < kSteady;
+}
+
+/// Checks that the LiDAR has not turned in its mount. While it may have, the scan is refused, and false is returned.
+/// Once it has, the scan is de-skewed and registered again with the mount as it is now.
+bool Tracker::is_mount_firm(Attempt& found, const scan::Scan& scan, const scan::OdometryHistory& odometry) {
+  if (!config_.turn_by_odometry || !turns_steadily(last_->end, scan.end, odometry)) {
+    mount_.interrupt();
+    return true;
+  }
+  const auto sight =
+      mount_.add({scan.end, &found.fit.points, odometry.at(scan.end), odometry.turn_confirmed(last_->end, scan.end)});
+  matcher_.set_mount_yaw(mount_.yaw());
+  if (sight == mounting::MountYaw::Sight::kTurned) {
+    pairs_.interrupt();
+    found = judged(matcher_.fit(departure(), scan, expect_motion(config_, recent(), scan, odometry), motion_));
+  }
+  if (sight != mounting::MountYaw::Sight::kUnsure) return true;
+  found.believed = false;
+  found.refusal = "refused.mount";
+  return false;
+}
+
 /// Wheels and gyro, if they agree, outvote a registration. Odometry that leaps is not used for that.
 bool Tracker::contradicts_odometry(const Attempt& found, const scan::Scan& scan,
                                    const scan::OdometryHistory& odometry) const {
@@ -102,6 +134,7 @@ Tracker::Attempt Tracker::by_odometry(const scan::Scan& scan, const scan::Odomet
 
 void Tracker::add_faults(std::vector<std::string>& faults) const {
   way_.add_faults(faults, lidar_yaw_);
+  mount_.add_faults(faults);
   if (sparse_in_a_row_ >= kSparse)
     faults.push_back(
         fmt::format("LiDAR: fewer than {} returns in each of the last {} revolutions: nothing is mapped, and odometry "

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "common/geometry/geometry.hpp"
+#include "services/mapper/scan/scan.hpp"
+
+namespace curbstone::mapper::mounting {
+
+/// Horizontal range from the LiDAR to what stands beside the vehicle, for each laser and azimuth. Comparing two
+/// profiles gives the turn between two scans directly: no map, no surfaces, and trunks and crowns of trees serve as
+/// well as walls. A value, pure.
+class AzimuthProfile {
+ public:
+  static constexpr int kBins = 720;
+  static constexpr double kBin = 0.0087266462599716;  ///< rad
+  static constexpr int kMostBins = 48;                ///< largest turn that is searched for
+
+  /// `points`: de-skewed, in base_link. The profile is seen from `lidar` (m) in the frame that `T_there_base` leads to.
+  AzimuthProfile(const std::vector<scan::LidarPoint>& points, const Pose& T_there_base, const Eigen::Vector3d& lidar);
+
+  /// Number of laser and azimuth pairs with a range.
+  [[nodiscard]] std::size_t size() const { return seen_.size(); }
+  /// Result of a comparison.
+  struct Turn {
+    double angle = 0;  ///< rad, to the left: turning this profile back by it gives the best agreement
+    double there = 0;  ///< 0..1: disagreement of the profiles at this angle,
+    double none = 0;   ///< and without a turn
+  };
+  /// The turn of this profile against an earlier one from the same place. Nothing if either has too few ranges. If the
+  /// profiles agree about as well as is `usual` here, no turn of more than a bin is searched for.
+  [[nodiscard]] std::optional<Turn> turn_since(const AzimuthProfile& earlier, double usual = 0) const;
+
+ private:
+  [[nodiscard]] double disagreement(const AzimuthProfile& earlier, int bins, std::size_t stride = 1) const;
+
+  std::vector<float> ranges_;        // m, by laser and azimuth; 0: none
+  std::vector<std::uint32_t> seen_;  // indices of those that are not 0
+};
+
+}  // namespace curbstone::mapper::mounting

@@ -1,0 +1,139 @@
+#include "services/mapper/mounting/mount_yaw.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace curbstone::mapper::mounting {
+namespace {
+
+constexpr std::size_t kApart = 2;  // scans: one during which it turns agrees neither with the one before nor after
+constexpr double kClear = 0.9;     // of the disagreement without a turn, at most
+constexpr std::int64_t kLongestPause = 300'000;  // us
+constexpr std::int64_t kPatience = 500'000;      // us until it must be still
+constexpr double kSlower = 1.01;                 // how fast the usual disagreement may grow, a scan
+constexpr std::int64_t kCreepSpan = 1'000'000;   // us: a turn is gradual if before it,
+constexpr double kCreep = 3 * MountYaw::kTurn;   // it already turned by this much
+constexpr std::int64_t kSoon = 3'000'000;        // us: kMany turns within it are a shake,
+constexpr std::size_t kMany = 4;
+constexpr std::int64_t kQuiet = 2'000'000;  // us without a turn: it shakes no more
+
+double in_degrees(double rad) {
+  return rad * 180 / std::numbers::pi;
+}
+
+bool is_turn(const AzimuthProfile::Turn& turn) {
+  return std::abs(turn.angle) > MountYaw::kTurn && turn.there < kClear * turn.none;
+}
+
+}  // namespace
+
+MountYaw::Sight MountYaw::add(const Look& look) {
+  if (look.utime <= utime_ || look.utime - utime_ > kLongestPause) interrupt();
+  utime_ = look.utime;
+  if (shakes_ && std::abs(utime_ - turning_) > kQuiet) shakes_ = false;
+  earlier_.push_back({look.T_odom_base, AzimuthProfile(*look.points, Pose::Identity(), lidar_)});
+  if (earlier_.size() <= kApart) return before_ || shakes_ ? Sight::kUnsure : Sight::kFirm;
+  Earlier earlier = std::move(earlier_.front());
+  earlier_.pop_front();
+  const auto turn = turn_since(earlier, look);
+  if (!turn) {
+    interrupt();
+    return shakes_ ? Sight::kUnsure : Sight::kFirm;
+  }
+  const bool is_turning = is_turn(*turn);
+  const bool is_still = std::abs(turn->angle) < 0.5 * kTurn;
+  const bool creeps = crept() > kCreep;
+  creeping_.emplace_back(utime_, std::clamp(turn->angle / kApart, -kTurn, kTurn));  // a leap is no creep
+  if (is_turning) turning_ = utime_;
+  if (is_still) usual_ = usual_ > 0 ? std::min(turn->there, kSlower * usual_) : turn->there;
+  if (is_still) gave_up_ = false;
+  if (shakes_) return Sight::kUnsure;
+
+  if (!before_) {
+    if (gave_up_ || creeps || !is_turning) return Sight::kFirm;
+    before_ = std::move(earlier);
+    doubt_since_ = utime_;
+    in_doubt_ = 0;
+  } else if (is_still && in_doubt_ >= static_cast<int>(kApart)) {
+    const auto since = turn_since(*before_, look);
+    before_.reset();
+    return since ? conclude(*since) : Sight::kFirm;
+  } else if (utime_ - doubt_since_ > kPatience) {
+    interrupt();
+    if (look.turn_confirmed && !creeps) return begin_to_shake();
+    gave_up_ = true;
+    return Sight::kFirm;
+  }
+  ++in_doubt_;
+  return Sight::kUnsure;
+}
+
+/// rad, the turn of the last second.
+double MountYaw::crept() {
+  while (!creeping_.empty() && std::abs(utime_ - creeping_.front().first) > kCreepSpan) creeping_.pop_front();
+  double sum = 0;
+  for (const auto& [utime, angle] : creeping_) sum += angle;
+  return std::abs(sum);
+}
+
+/// The LiDAR is still again. `since`: the turn since before.
+MountYaw::Sight MountYaw::conclude(const AzimuthProfile::Turn& since) {
+  if (!is_turn(since)) return Sight::kFirm;
+  while (!turns_.empty() && std::abs(utime_ - turns_.front()) > kSoon) turns_.pop_front();
+  if (turns_.empty()) quiet_yaw_ = yaw_;
+  turns_.push_back(utime_);
+  if (turns_.size() >= kMany) return begin_to_shake();
+  counters_.add("faults.lidar.turned_in_mount");
+  if (turned_ == 0 || utime_ - turned_ > kReportedFor) largest_ = 0;
+  turned_ = utime_;
+  creeping_.clear();
+  yaw_ -= since.angle;  // what stands still turns the other way
+  largest_ = std::max({largest_, std::abs(yaw_), std::abs(since.angle)});
+  earlier_.clear();
+  return Sight::kTurned;
+}
+
+MountYaw::Sight MountYaw::begin_to_shake() {
+  counters_.add("faults.lidar.shakes");
+  shakes_ = true;
+  shook_ = turning_ = utime_;
+  if (!turns_.empty()) yaw_ = quiet_yaw_;
+  turns_.clear();
+  earlier_.clear();
+  return Sight::kUnsure;
+}
+
+std::optional<AzimuthProfile::Turn> MountYaw::turn_since(const Earlier& earlier, const Look& look) const {
+  const AzimuthProfile there(*look.points, earlier.T_odom_base.inverse() * look.T_odom_base, lidar_);
+  return there.turn_since(earlier.profile, usual_);
+}
+
+void MountYaw::interrupt() {
+  earlier_.clear();
+  before_.reset();
+  usual_ = 0;
+}
+
+void MountYaw::add_faults(std::vector<std::string>& faults) const {
+  const auto seconds_ago = [&](std::int64_t since) { return static_cast<double>(utime_ - since) * 1e-6; };
+  if (shakes_) {
+    faults.emplace_back(
+        "LiDAR: it shakes in its mount, by a degree or more: nothing is mapped until it is still. Tighten its mount");
+  } else if (shook_ != 0 && utime_ - shook_ < kReportedFor) {
+    faults.push_back(fmt::format(
+        "LiDAR: it shook in its mount, {:.0f} s ago: tighten its mount. The map has a gap there", seconds_ago(shook_)));
+  }
+  const bool is_away = std::abs(yaw_) > kTurn;
+  if (turned_ == 0 || (!is_away && utime_ - turned_ > kReportedFor)) return;
+  faults.push_back(fmt::format(
+      "LiDAR: it turned by {:.1f} deg in its mount, {:.0f} s ago ({} times in all), and looks {:.1f} deg to "
+      "the {} of where vehicle.lidar says: tighten its mount. The map follows it",
+      in_degrees(largest_), seconds_ago(turned_), counters_["faults.lidar.turned_in_mount"], in_degrees(std::abs(yaw_)),
+      yaw_ > 0 ? "left" : "right"));
+}
+
+}  // namespace curbstone::mapper::mounting

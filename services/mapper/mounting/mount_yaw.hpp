@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/bus/counters.hpp"
+#include "common/geometry/geometry.hpp"
+#include "services/mapper/mounting/azimuth_profile.hpp"
+#include "services/mapper/scan/scan.hpp"
+
+namespace curbstone::mapper::mounting {
+
+/// Detects that the LiDAR turns in its mount: a loose screw, a knock. Ground and near surfaces fit a map at any yaw, so
+/// registration may not notice, and the map is smeared.
+///
+/// Each scan is compared with the one before the last, by their azimuth profiles and odometry's motion between them. A
+/// LiDAR that turns in its mount does so within a scan or two, and is then still: its yaw is corrected. Something large
+/// that drives along beside the vehicle in a bend, late stamps, a wrong gyro turn gradually, and are not taken for it.
+/// A LiDAR that does not come to rest shakes, and its scans are not used.
+///
+/// A function of the calls. Pure; one thread. Counters: faults.lidar.turned_in_mount, faults.lidar.shakes.
+class MountYaw {
+ public:
+  static constexpr double kTurn = 0.0175;                   ///< rad, smallest turn that is detected
+  static constexpr std::int64_t kReportedFor = 60'000'000;  ///< us after the last turn, if it is back where it was
+
+  /// A scan, and what odometry says of it.
+  struct Look {
+    std::int64_t utime = 0;                            ///< us, its end
+    const std::vector<scan::LidarPoint>* points = {};  ///< de-skewed, in base_link, with yaw() corrected
+    Pose T_odom_base = Pose::Identity();
+    bool turn_confirmed = false;  ///< wheels and gyro agree on the turn
+  };
+  /// What the scan shows.
+  enum class Sight {
+    kFirm,    ///< the LiDAR looks where it did
+    kUnsure,  ///< it may be turning: the scan should not be used
+    kTurned,  ///< it has turned: yaw() is new
+  };
+
+  /// `lidar`: position in base_link, m.
+  explicit MountYaw(const Eigen::Vector3d& lidar) : lidar_(lidar) {}
+
+  /// Takes the next scan.
+  Sight add(const Look& look);
+  /// Breaks the sequence: nothing measures the vehicle's turn.
+  void interrupt();
+  /// rad, to the left: how far the LiDAR has turned since the start.
+  [[nodiscard]] double yaw() const { return yaw_; }
+  [[nodiscard]] bool shakes() const { return shakes_; }
+  void add_faults(std::vector<std::string>& faults) const;
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+
+ private:
+  struct Earlier {
+    Pose T_odom_base;
+    AzimuthProfile profile;
+  };
+  [[nodiscard]] std::optional<AzimuthProfile::Turn> turn_since(const Earlier& earlier, const Look& look) const;
+  Sight conclude(const AzimuthProfile::Turn& since);
+  Sight begin_to_shake();
+  [[nodiscard]] double crept();
+
+  Eigen::Vector3d lidar_;
+  std::int64_t utime_ = 0;                                // us, of the last scan
+  std::deque<Earlier> earlier_;                           // the last two scans
+  std::optional<Earlier> before_;                         // the scan before those that are in doubt
+  std::int64_t doubt_since_ = 0;                          // us
+  int in_doubt_ = 0;                                      // scans
+  std::deque<std::pair<std::int64_t, double>> creeping_;  // us, rad: turn between two scans, for a second
+  double usual_ = 0;                                      // disagreement of two scans that show no turn, lately
+  bool gave_up_ = false;      // what turns may be odometry: scans are used until it has stopped
+  std::int64_t turning_ = 0;  // us, the last scan that shows a turn
+  bool shakes_ = false;
+  std::int64_t shook_ = 0;  // us; 0: never
+  double yaw_ = 0;
+  double quiet_yaw_ = 0;            // before turns_
+  std::deque<std::int64_t> turns_;  // us, of the last seconds
+  double largest_ = 0;              // rad, since the fault was raised
+  std::int64_t turned_ = 0;         // us; 0: never
+  Counters counters_;
+};
+
+}  // namespace curbstone::mapper::mounting
