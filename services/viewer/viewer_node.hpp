@@ -87,6 +87,7 @@ class ViewerNode final : public Node {
   void send_frames();
   [[nodiscard]] State state_for(const Page& page) const;
   void heard() { bus_heard_ = now_; }
+  [[nodiscard]] bool is_new_map() const;
 
   ViewerConfig config_;
   Publisher& bus_;
@@ -102,6 +103,7 @@ class ViewerNode final : public Node {
   store::CurbLines curbs_;
   store::MarkingLines markings_;
   store::ThinnedPath path_;
+  std::int64_t left_ = 0;  // us, newest pose of the map that the present one replaced; 0: there was none
   store::Services services_;
   Scan scan_;
   bool scan_subscribed_ = false;
