@@ -51,7 +51,7 @@ export class Ground {
   private setUp(): void {
     const isSlow = this.isSlow = drawsInSoftware();
     const gl = this.canvas.getContext("webgl2", { antialias: !isSlow, premultipliedAlpha: true, preserveDrawingBuffer: false });
-    if (!gl) throw new Error("This browser has no WebGL2, which draws the map.");
+    if (!gl) throw new Error("The map cannot be drawn here: this browser has no WebGL2. Switch its graphics acceleration on, or take a current Firefox, Chrome, Edge or Safari");
     this.gl = gl;
     this.pages = new Pages(gl, this.world, isSlow ? gl.LINEAR_MIPMAP_NEAREST : gl.LINEAR_MIPMAP_LINEAR);
     this.painter = new Painter(gl, this.pages);
