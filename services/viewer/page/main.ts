@@ -77,7 +77,7 @@ function draw(now: number): void {
     range, now: newestTime(world), grey, hasty, paper: kBackground[look] }, pose);
   const poses: [Pose, string][] = pose ? [[pose, kInk[look].vehicle]] : [], other = localized.poseAt(now);
   if (other && layers.localized) poses.unshift([other, kInk[look].localized]);
-  marks.refresh();
+  marks.refresh(camera);
   (camera.isTilted ? tiltedMarks : marks).draw(camera, look, layers, poses, inspector.picked, ruler.places, grey);
   showScale(camera.scale);
   showTurn(camera);

@@ -144,7 +144,7 @@ export class Ground {
     gl.disable(gl.BLEND);
     for (const page of seen) {
       this.pages.bind(page);
-      gl.uniform2f(flat.at("corner"), page.x * kPageSize, page.y * kPageSize);
+      gl.uniform2f(flat.at("corner"), page.x * kPageSize - camera.x, page.y * kPageSize - camera.y);
       gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
     }
     gl.enable(gl.BLEND);
@@ -154,7 +154,7 @@ export class Ground {
     const { gl, point } = this;
     point.use();
     gl.uniformMatrix4fv(point.at("toClip"), false, camera.matrix());
-    gl.uniformMatrix4fv(point.at("toMap"), false, matrixOf(pose));
+    gl.uniformMatrix4fv(point.at("toMap"), false, matrixOf(pose, camera));
     gl.uniform1f(point.at("size"), Math.min(4, Math.max(1.6, camera.scale * 0.05)) * this.canvas.width / camera.width);
     gl.uniform1f(point.at("grey"), look.grey);
     gl.uniform1i(point.at("byIntensity"), look.byIntensity ? 1 : 0);
@@ -173,11 +173,11 @@ function isPlain(look: Look): boolean {
   return look.grey === 0 && look.mode !== "age";
 }
 
-/// Rotation and translation from base_link to map, column-major: yaw, pitch, roll.
-function matrixOf({ x, y, z, roll, pitch, yaw }: Pose): number[] {
+/// Rotation and translation from base_link to m relative to the camera, column-major: yaw, pitch, roll.
+function matrixOf({ x, y, z, roll, pitch, yaw }: Pose, camera: Camera): number[] {
   const [cr, sr, cp, sp, cy, sy] = [roll, pitch, yaw].flatMap(a => [Math.cos(a), Math.sin(a)]);
   return [cy * cp, sy * cp, -sp, 0, cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr, 0,
-    cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr, 0, x, y, z, 1];
+    cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr, 0, x - camera.x, y - camera.y, z, 1];
 }
 
 function isSeen(camera: Camera, x: number, y: number): boolean {
