@@ -326,7 +326,7 @@ function wire(): void {
 
 // For the browser's console and for tests/services/viewer/page.
 rewind = new Rewind(world, onPast);
-Object.assign(window, { curbstone: { world, camera, settings, rewind, arrival, redraw, get ruler() { return ruler; } } });
+Object.assign(window, { curbstone: { world, camera, settings, rewind, arrival, redraw, get ruler() { return ruler; }, get ground() { return ground; } } });
 
 settings.read(camera);
 try {

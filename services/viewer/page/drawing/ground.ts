@@ -1,5 +1,6 @@
 // The map's cells and the LiDAR's points in WebGL2: the view from above; Relief draws the tilted one.
 import { Camera } from "./camera";
+import { kDistant, paintDistant } from "./distant";
 import { Painter } from "./painter";
 import { kCellsAside, kPageSize, Page } from "./page";
 import { Pages } from "./pages";
@@ -19,6 +20,9 @@ export interface Look {
   hasty: boolean;           // draws the tilted view coarser and faster
   paper: Rgb;
 }
+
+/// `cellWidth`: of the page's nearest cells, CSS pixels.
+export type Paint = (page: Page, cellWidth: number) => WebGLTexture;
 
 export class Ground {
   private gl!: WebGL2RenderingContext;
@@ -82,6 +86,7 @@ export class Ground {
       this.drawPages(camera, look, paint);
     }
     if (look.points && pose && this.numPoints > 0) this.drawPoints(camera, look, pose);
+    this.pages.forget();
   }
 
   private uploadScan(): void {
@@ -92,8 +97,8 @@ export class Ground {
     world.scanChanged = false;
   }
 
-  /// Brings the picture of a page up to date.
-  private painting(camera: Camera, look: Look): (page: Page) => void {
+  /// Brings the picture of a page up to date and returns it.
+  private painting(camera: Camera, look: Look): Paint {
     const { gl } = this, { theme, mode, relief, range } = look;
     const name = [theme, mode, relief, ...mode === "height" ? range : []].join(" ");
     const isSmall = camera.isTilted || this.cellWidth(camera) < 1.5;
@@ -105,7 +110,8 @@ export class Ground {
       gl.uniform2fv(program.at("range"), range);
       gl.uniform1f(program.at("relief"), relief ? 1 : 0);
     };
-    return page => this.painter.paint(page, name, style, isSmall);
+    return (page, cellWidth) => cellWidth * devicePixelRatio < kDistant ? paintDistant(gl, page, name, look, this.pages.smooth)
+      : this.painter.paint(page, name, style, isSmall);
   }
 
   private ramp(program: Program, look: Look): void {
@@ -130,20 +136,20 @@ export class Ground {
     return camera.scale * kCellSize * this.canvas.width / camera.width;
   }
 
-  private drawPages(camera: Camera, look: Look, paint: (page: Page) => void): void {
+  private drawPages(camera: Camera, look: Look, paint: Paint): void {
     const { gl } = this;
     const flat = !isPlain(look) ? this.flat.any : this.cellWidth(camera) < 1 ? this.flat.far : this.flat.near;
     const seen = [...this.pages.all.values()].filter(page => isSeen(camera, page.x, page.y));
     if (seen.length === 0) return;
-    seen.forEach(paint);
+    const pictures = seen.map(page => paint(page, camera.scale * kCellSize));
     flat.use();
     this.style(flat, look);
     gl.uniform1f(flat.at("side"), kPageSize);
     gl.uniformMatrix4fv(flat.at("toClip"), false, camera.matrix());
     gl.disableVertexAttribArray(0);
     gl.disable(gl.BLEND);
-    for (const page of seen) {
-      this.pages.bind(page);
+    for (const [i, page] of seen.entries()) {
+      this.pages.bind(page, pictures[i]);
       gl.uniform2f(flat.at("corner"), page.x * kPageSize - camera.x, page.y * kPageSize - camera.y);
       gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
     }

@@ -4,6 +4,7 @@ import { Blocks, kFaceFloats } from "./blocks";
 import { Camera } from "./camera";
 import { wallsOf } from "./curb_walls";
 import { anchorAt, isNear } from "./anchor";
+import type { Paint } from "./ground";
 import { Boxes, kPageSize, kTilesAside, Page, Square } from "./page";
 import { Pages } from "./pages";
 import { stripsOf } from "./paint_strips";
@@ -61,13 +62,13 @@ export class Relief {
 
   /// `style` sets the uniforms of kPicture; `paint` brings a page's picture up to date; `isPlain`: not coloured by age
   /// and not grey; `curbs`, `markings`: their colours, or null; `isHasty`: coarser.
-  draw(camera: Camera, style: (program: Program) => void, paint: (page: Page) => void, cells: boolean, isPlain: boolean, curbs: number[] | null, markings: number[] | null, grey: number, isHasty: boolean): void {
+  draw(camera: Camera, style: (program: Program) => void, paint: Paint, cells: boolean, isPlain: boolean, curbs: number[] | null, markings: number[] | null, grey: number, isHasty: boolean): void {
     const { gl } = this, toClip = camera.matrix();
     ++this.picture;
     gl.enable(gl.DEPTH_TEST);
     if (cells) {
       const seen = byPage(squaresInView(this.pages.all.values(), camera, this.budget.widest, kReach));
-      for (const page of seen.keys()) paint(page);
+      const pictures = new Map([...seen].map(([page, squares]) => [page, paint(page, Math.max(...squares.map(widthOfCell)))]));
       const use = (program: Program) => {
         program.use();
         style(program);
@@ -76,11 +77,11 @@ export class Relief {
       };
       const net = isPlain ? this.net.plain : this.net.any;
       use(net);
-      this.eachPage(net, camera, seen, ({ square }) => this.drawNet(square, isHasty ? this.nets.coarse : this.nets.fine));
+      this.eachPage(net, camera, seen, pictures, ({ square }) => this.drawNet(square, isHasty ? this.nets.coarse : this.nets.fine));
       use(this.block);
       gl.enable(gl.CULL_FACE);
       let left = this.budget.faces;
-      this.eachPage(this.block, camera, seen, one => { left -= this.drawBoxes(one, left); });
+      this.eachPage(this.block, camera, seen, pictures, one => { left -= this.drawBoxes(one, left); });
       gl.disable(gl.CULL_FACE);
       gl.disableVertexAttribArray(1);
       this.forget();
@@ -94,11 +95,11 @@ export class Relief {
     gl.disable(gl.DEPTH_TEST);
   }
 
-  private eachPage(program: Program, camera: Camera, seen: Map<Page, Seen[]>, draw: (one: Seen) => void): void {
+  private eachPage(program: Program, camera: Camera, seen: Map<Page, Seen[]>, pictures: Map<Page, WebGLTexture>, draw: (one: Seen) => void): void {
     const { gl } = this;
     gl.enableVertexAttribArray(0);
     for (const [page, squares] of seen) {
-      this.pages.bind(page);
+      this.pages.bind(page, pictures.get(page)!);
       gl.uniform2f(program.at("corner"), page.x * kPageSize - camera.x, page.y * kPageSize - camera.y);
       squares.forEach(draw);
     }
@@ -114,8 +115,8 @@ export class Relief {
   }
 
   /// Draws fine boxes if there is room for them. Returns the number of faces drawn.
-  private drawBoxes({ square, width }: Seen, room: number): number {
-    const { gl } = this, cell = width / (25 << square.level);
+  private drawBoxes(one: Seen, room: number): number {
+    const { gl } = this, { square } = one, cell = widthOfCell(one);
     let boxes: Boxes | null = null;
     if (cell >= kFineCell) boxes = square.boxes[0] ??= this.boxesOf(square, 0);
     if ((!boxes || boxes.faces > room) && cell >= kCoarseCell) boxes = square.boxes[1] ??= this.boxesOf(square, 1);
@@ -188,6 +189,11 @@ export class Relief {
     gl.vertexAttribPointer(0, 4, gl.FLOAT, false, 0, 0);
     gl.drawArrays(gl.TRIANGLES, 0, solid.points);
   }
+}
+
+/// Pixels.
+function widthOfCell({ square, width }: Seen): number {
+  return width / (25 << square.level);
 }
 
 function byPage(seen: Seen[]): Map<Page, Seen[]> {

@@ -74,5 +74,72 @@ TEST_F(PageFar, AMapOfTenKilometresIsShownWhole) {
   EXPECT_TRUE(shows("#rule", "km"));
 }
 
+/// A page that is seen from afar has a picture of its own.
+class PageFromAfar : public PageOnABus {
+ protected:
+  static constexpr const char* kAfar = "at=1.5,1.5,2.4,0&follow=0&theme=light&off=relief.curbs.path.points&colour=";
+  static constexpr const char* kClose = "at=1.5,1.5,4,0&follow=0&theme=light&off=relief.curbs.path.points&colour=";
+
+  /// 3 x 3 equal tiles.
+  void put_field(std::int8_t cell_class) {
+    vehicle_x = 60;
+    for (int i = 0; i < 9; ++i) {
+      semantic_tile_t tile = tile_of(i % 3 - 1, i / 3 - 1, cell_class);
+      std::fill(std::begin(tile.cost), std::end(tile.cost), std::uint8_t{90});
+      std::fill(std::begin(tile.confidence), std::end(tile.confidence), std::uint8_t{140});
+      put(tile);
+    }
+  }
+  Rgb middle() {
+    EXPECT_TRUE(browser->comes_to("curbstone.world.changed.size === 0"));
+    browser->pass(0.2);
+    const Spot spot = spot_of(1.5, 1.5);
+    return browser->picture().at(spot.x, spot.y);
+  }
+  int pages_close() {
+    return browser->evaluate("[...curbstone.ground.pages.all.values()].filter(page => page.close).length");
+  }
+};
+
+TEST_F(PageFromAfar, LooksAsItDoesCloseUp) {
+  put_field(semantic_tile_t::ROAD);
+  for (const std::string mode : {"class", "height", "cost", "confidence", "age", "paper"}) {
+    open(kClose + mode);
+    const Rgb close = middle();
+    EXPECT_EQ(pages_close(), 4) << "about the origin";
+    open(kAfar + mode);
+    const Rgb afar = middle();
+    EXPECT_LE(difference(afar, close), 4) << mode;
+    EXPECT_EQ(pages_close(), 0) << "it needs no textures of cells";
+  }
+}
+
+TEST_F(PageFromAfar, ShowsNewsOfACell) {
+  put_field(semantic_tile_t::ROAD);
+  open(kAfar + std::string("class"));
+  EXPECT_LE(difference(middle(), colour_of(semantic_tile_t::ROAD)), 4);
+  put_field(semantic_tile_t::CURB);
+  EXPECT_TRUE(browser->comes_to("curbstone.world.tileAt(0, 0).classes[0] === 2"));
+  EXPECT_LE(difference(middle(), colour_of(semantic_tile_t::CURB)), 4);
+  begin_epoch();
+  put(tile_of(40, 40, semantic_tile_t::ROAD));
+  EXPECT_TRUE(browser->comes_to("curbstone.world.tiles.size === 1"));
+  EXPECT_LE(difference(middle(), colour_of(0)), 4) << "of the map before nothing is left";
+}
+
+TEST_F(PageFromAfar, KeepsTheCellsOfAFewPagesOnly) {
+  constexpr int kPages = 60, kAside = 32;
+  for (int i = 0; i < kPages; ++i) put(tile_of(i * kAside, 0, semantic_tile_t::ROAD));
+  open(kClose + std::string("class"));
+  for (int i = 0; i < kPages; i += 3) {
+    browser->evaluate(fmt::format("curbstone.camera.x = {}, curbstone.redraw()", i * kAside * 3));
+    browser->pass(0.1);
+  }
+  EXPECT_LE(pages_close(), 40);
+  EXPECT_GT(pages_close(), 0);
+  browser->evaluate("curbstone.camera.x = 1.5, curbstone.redraw()");  // whose cells were given up meanwhile
+  EXPECT_LE(difference(middle(), colour_of(semantic_tile_t::ROAD)), 4);
+}
+
 }  // namespace
 }  // namespace curbstone::viewer
