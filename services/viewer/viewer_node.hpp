@@ -50,6 +50,7 @@ class ViewerNode final : public Node {
   void begin_again();
   /// The progress of the log that is played, for the pages.
   void set_playback(const Playback& playback) { playback_ = playback; }
+  void set_title(const std::string& title) { source_.title = title; }
 
   /// The present state; valid until the next message.
   [[nodiscard]] frames::World world() const;

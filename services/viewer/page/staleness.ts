@@ -45,7 +45,7 @@ export function judge(state: State | null, services: Service[], { isOpen, age, r
 function newMap({ new_map_age: age }: State, services: Service[]): string {
   if (age === null || age > kNews) return "";
   const head = "a new map begins: ", fault = services.flatMap(({ faults }) => faults).find(words => words.startsWith(head));
-  return `A new map began ${Math.ceil(age)} s ago, with an origin of its own${fault ? `: ${fault.slice(head.length)}` : ""}`;
+  return `A new map began ${Math.ceil(age)} s ago${fault ? `: ${fault.slice(head.length)}` : ". The earlier one is no longer shown"}`;
 }
 
 /// For a world of the past: the judgement of then, with the past stated first.

@@ -2,7 +2,7 @@
 import { Layers } from "../settings";
 import { Anchor, anchorAt, isNear } from "./anchor";
 import { Camera } from "./camera";
-import { ellipseOf, Ink, kInk } from "./ink";
+import { ellipseOf, fillOf, Ink, kInk } from "./ink";
 import { kPaintWidth } from "./paint_strips";
 import { Theme } from "./palette";
 import { Sheet } from "./sheet";
@@ -157,7 +157,7 @@ export class Marks {
     context.beginPath();
     context.ellipse(pose.x - this.anchor[0], pose.y - this.anchor[1], long, Math.max(short, pixel), turn, 0, 2 * Math.PI);
     context.fillStyle = context.strokeStyle = colour;
-    context.globalAlpha = 0.16;
+    context.globalAlpha = fillOf(short / pixel);
     context.fill();
     context.globalAlpha = 0.8;
     context.lineWidth = 1.2 * pixel;
