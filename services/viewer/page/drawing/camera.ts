@@ -5,6 +5,7 @@ export interface View { x: number; y: number; scale: number; turn: number }  // 
 
 export const kMinScale = 0.02;  // 25 km on a small phone
 export const kMaxScale = 800;
+const kApart = 2000;          // m, from an anchor at most
 export const kMaxTilt = 1.1;  // rad: the horizon stays above the screen
 const kFocus = 1.25;          // of the screen's height: distance from the eye to the point looked at
 
@@ -108,3 +109,16 @@ export class Camera implements View {
   }
 }
 
+/// A point near the view, to which shapes are relative while 32 bits draw them: 100 km from the map's origin they would
+/// be off by 8 mm, which is six pixels close up.
+export type Anchor = [number, number];  // m in map
+
+/// The middle of the view, rounded.
+export function anchorAt({ x, y }: { x: number; y: number }): Anchor {
+  return [Math.round(x / kApart) * kApart, Math.round(y / kApart) * kApart];
+}
+
+/// False: the view has moved away from it.
+export function isNear([x, y]: Anchor, view: { x: number; y: number }): boolean {
+  return Math.abs(x - view.x) < kApart && Math.abs(y - view.y) < kApart;
+}

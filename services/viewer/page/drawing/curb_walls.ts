@@ -1,5 +1,5 @@
 // Curbs for the tilted view: a wall from the foot to the step's top, and a narrow kerbstone on it.
-import { Anchor } from "./anchor";
+import { Anchor } from "./camera";
 import { CurbLine } from "../world";
 
 const kStone = 0.1;  // m, wide

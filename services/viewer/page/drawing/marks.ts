@@ -1,7 +1,6 @@
 // The marks above the ground in the view from above: curbs, path, vehicles, the selected cell; Canvas 2D.
 import { Layers } from "../settings";
-import { Anchor, anchorAt, isNear } from "./anchor";
-import { Camera } from "./camera";
+import { Anchor, anchorAt, Camera, isNear } from "./camera";
 import { ellipseOf, fillOf, Ink, kInk } from "./ink";
 import { kPaintWidth } from "./paint_strips";
 import { Theme } from "./palette";

@@ -1,5 +1,5 @@
 // Road paint in the tilted view: one flat strip per painted piece.
-import { Anchor } from "./anchor";
+import { Anchor } from "./camera";
 import { MarkingLine } from "../world";
 
 export const kPaintWidth = 0.12;  // m, if unknown

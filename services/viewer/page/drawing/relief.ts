@@ -1,9 +1,8 @@
 // The tilted view in WebGL2: the ground as meshes, obstacles and walls as boxes, curbs as walls of their height.
 // Distant parts are coarser; nothing is drawn beyond kReach.
 import { Blocks, kFaceFloats } from "./blocks";
-import { Camera } from "./camera";
+import { anchorAt, Camera, isNear } from "./camera";
 import { wallsOf } from "./curb_walls";
-import { anchorAt, isNear } from "./anchor";
 import type { Paint } from "./ground";
 import { Boxes, kPageSize, kTilesAside, Page, Square } from "./page";
 import { Pages } from "./pages";
