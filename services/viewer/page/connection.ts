@@ -72,6 +72,7 @@ export class Connection {
     socket.onclose = () => {
       if (socket !== this.socket) return;
       this.socket = null;
+      this.undrawn = null;  // of a page that slept: it will not be drawn for this connection
       setTimeout(() => this.socket || this.open(), this.refusal ? kRefused : kRetry);
       if (!wasOpen) void this.ask();
     };

@@ -96,6 +96,12 @@ class PageFromAfar : public PageOnABus {
     const Spot spot = spot_of(1.5, 1.5);
     return browser->picture().at(spot.x, spot.y);
   }
+  /// The ramp of the heights fits the view a moment later.
+  void await_range(const std::string& mode) {
+    if (mode == "height") {
+      EXPECT_TRUE(shows("#legend", "0.5 m"));
+    }
+  }
   int pages_close() {
     return browser->evaluate("[...curbstone.ground.pages.all.values()].filter(page => page.close).length");
   }
@@ -105,9 +111,11 @@ TEST_F(PageFromAfar, LooksAsItDoesCloseUp) {
   put_field(semantic_tile_t::ROAD);
   for (const std::string mode : {"class", "height", "cost", "confidence", "age", "paper"}) {
     open(kClose + mode);
+    await_range(mode);
     const Rgb close = middle();
     EXPECT_EQ(pages_close(), 4) << "about the origin";
     open(kAfar + mode);
+    await_range(mode);
     const Rgb afar = middle();
     EXPECT_LE(difference(afar, close), 4) << mode;
     EXPECT_EQ(pages_close(), 0) << "it needs no textures of cells";
