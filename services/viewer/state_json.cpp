@@ -61,6 +61,7 @@ std::string state_json(const State& state, const VehicleConfig& vehicle) {
                   {"bus_age", state.bus_age},
                   {"tile_age", state.tile_age},
                   {"pose_age", state.pose_age},
+                  {"new_map_age", state.new_map_age},
                   {"latency", {state.latency_p50, state.latency_p95}},
                   {"vehicle", {vehicle.length, vehicle.width, vehicle.middle}},
                   {"pose", state.pose ? pose_json(*state.pose) : json()},

@@ -29,6 +29,7 @@ struct State {
   double bus_age = 0;      ///< of any message
   double tile_age = 0;
   double pose_age = 0;
+  double new_map_age = 0;  ///< s of the drive since a map began that does not continue the one before; NaN: none did
   double latency_p50 = 0;  ///< s, from the LiDAR's measurement to the drawn frame; NaN: no frame was drawn
   double latency_p95 = 0;
   std::optional<map_pose_t> pose;

@@ -17,6 +17,7 @@ namespace {
 constexpr std::int64_t kRequestPeriod = 100'000;  // us
 constexpr std::int64_t kServicesPeriod = 500'000;
 constexpr std::int64_t kOldest = 60'000'000;  // us: older measurements are left out of the latency
+constexpr float kAtOrigin = 2;                // m
 constexpr std::size_t kMaxHeld = 64;          // pages of MAP_TRAJECTORY
 constexpr std::size_t kMaxBehind = store::LiveMap::kMaxTiles;
 
@@ -91,6 +92,7 @@ void ViewerNode::begin_again() {
   epochs_ = {};
   services_ = {};
   held_.clear();
+  left_ = 0;
   localized_.reset();
   bus_heard_ = tile_heard_ = pose_heard_ = newest_utime_ = 0;
   for (auto& [id, page] : pages_) {
@@ -98,8 +100,17 @@ void ViewerNode::begin_again() {
   }
 }
 
+/// A map that was corrected as a whole has the drive of the one before. A map in a frame of its own has only newer
+/// poses, and begins at its origin; a drive whose MAP_TRAJECTORY was lost on the bus begins somewhere.
+bool ViewerNode::is_new_map() const {
+  if (left_ == 0 || path_.points().empty()) return false;
+  const store::ThinnedPath::Point& first = path_.points().front();
+  return first.utime > left_ && std::hypot(first.x, first.y) < kAtOrigin;
+}
+
 void ViewerNode::enter_epoch(std::int32_t epoch) {
   counters_.add("epochs");
+  if (!is_new_map() && !path_.points().empty()) left_ = path_.points().back().utime;
   forget_map();
   tiles_.start_epoch(epoch);
   for (const map_trajectory_t& page : std::exchange(held_, {})) {
@@ -292,6 +303,8 @@ State ViewerNode::state_for(const Page& page) const {
           .bus_age = seconds_since(bus_heard_, now_),
           .tile_age = seconds_since(tile_heard_, now_),
           .pose_age = seconds_since(pose_heard_, now_),
+          .new_map_age = is_new_map() && pose_ ? seconds_since(path_.points().front().utime, pose_->utime)
+                                               : std::numeric_limits<double>::quiet_NaN(),
           .latency_p50 = page.latency.percentile(0.5),
           .latency_p95 = page.latency.percentile(0.95),
           .pose = pose_,

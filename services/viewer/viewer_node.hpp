@@ -50,6 +50,7 @@ class ViewerNode final : public Node {
   void begin_again();
   /// The progress of the log that is played, for the pages.
   void set_playback(const Playback& playback) { playback_ = playback; }
+  void set_title(const std::string& title) { source_.title = title; }
 
   /// The present state; valid until the next message.
   [[nodiscard]] frames::World world() const;
@@ -87,6 +88,7 @@ class ViewerNode final : public Node {
   void send_frames();
   [[nodiscard]] State state_for(const Page& page) const;
   void heard() { bus_heard_ = now_; }
+  [[nodiscard]] bool is_new_map() const;
 
   ViewerConfig config_;
   Publisher& bus_;
@@ -102,6 +104,7 @@ class ViewerNode final : public Node {
   store::CurbLines curbs_;
   store::MarkingLines markings_;
   store::ThinnedPath path_;
+  std::int64_t left_ = 0;  // us, newest pose of the map that the present one replaced; 0: there was none
   store::Services services_;
   Scan scan_;
   bool scan_subscribed_ = false;

@@ -80,7 +80,7 @@ Browser::Browser(std::function<void()> meanwhile, int width, int height)
   session_ = call("Target.attachToTarget", {{"targetId", page["targetId"]}, {"flatten", true}})["sessionId"];
   for (const char* domain : {"Page", "Runtime", "Log"}) call(std::string(domain) + ".enable");
   // Without a GPU drawing is slow, so transitions are switched off.
-  call("Emulation.setEmulatedMedia", {{"features", {{{"name", "prefers-reduced-motion"}, {"value", "reduce"}}}}});
+  prefer({{"prefers-reduced-motion", "reduce"}});
   resize(width, height);
 }
 
@@ -103,6 +103,16 @@ void Browser::open(const std::string& url) {
   call("Page.navigate", {{"url", "about:blank"}});  // otherwise a new fragment alone would load nothing
   const json answer = call("Page.navigate", {{"url", url}});
   if (answer.contains("errorText")) throw std::runtime_error(url + ": " + answer["errorText"].get<std::string>());
+}
+
+void Browser::at_the_beginning(const std::string& script) {
+  call("Page.addScriptToEvaluateOnNewDocument", {{"source", script}});
+}
+
+void Browser::prefer(const std::vector<std::pair<std::string, std::string>>& features) {
+  json list = json::array();
+  for (const auto& [name, value] : features) list.push_back({{"name", name}, {"value", value}});
+  call("Emulation.setEmulatedMedia", {{"features", list}});
 }
 
 json Browser::evaluate(const std::string& expression) {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tools/browser/picture.hpp"
@@ -26,6 +27,10 @@ class Browser {
   /// Size in CSS pixels; `touch`: as a phone or a tablet.
   void resize(int width, int height, bool touch = false);
   void open(const std::string& url);
+  /// Runs the script in each page opened from now on, before the page's own ones.
+  void at_the_beginning(const std::string& script);
+  /// How the page is shown: media features as in CSS, prefers-color-scheme: dark.
+  void prefer(const std::vector<std::pair<std::string, std::string>>& features);
   /// The value of the expression; promises are awaited. An exception in it is thrown here too.
   nlohmann::json evaluate(const std::string& expression);
   /// Waits until the expression is true. False on time-out.

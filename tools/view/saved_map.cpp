@@ -1,17 +1,20 @@
 #include "tools/view/saved_map.hpp"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "services/semantic_map/semantic_messages.hpp"
-#include "services/semantic_map/store/map_store.hpp"
 
 namespace curbstone::view {
 namespace {
@@ -72,15 +75,64 @@ bool is_map_file(const std::string& file) {
   return std::string_view(head.data(), static_cast<std::size_t>(in.gcount())) == kSqlite;
 }
 
-void show_saved_map(const std::string& file, std::int64_t now, viewer::ViewerNode& node) {
-  const MapReader reader(file);
+ShownMap::ShownMap(std::string file, std::string title, viewer::ViewerNode& node)
+    : file_(std::move(file)), title_(std::move(title)), node_(node) {}
+
+ShownMap::Mark ShownMap::mark() const {
+  Mark mark;
+  for (std::size_t i = 0; i < 2; ++i) {
+    struct stat found {};
+    if (stat((file_ + (i == 0 ? "" : "-wal")).c_str(), &found) != 0) continue;
+    mark.inode[i] = found.st_ino;
+    mark.size[i] = found.st_size;
+    mark.changed[i] = found.st_mtim.tv_sec * 1'000'000'000 + found.st_mtim.tv_nsec;
+  }
+  return mark;
+}
+
+void ShownMap::show(std::int64_t now) {
+  const Mark now_is = mark();
+  const MapReader reader(file_);
   // A node ignores an epoch ahead of the clock; there is no other epoch here.
   const auto epoch = static_cast<std::int32_t>(std::min<std::int64_t>(reader.epoch(), now / 1'000'000));
-  const map_trajectory_t trajectory = trajectory_of(reader, epoch);
-  node.on(trajectory);
-  for (const auto& tile : reader.tiles()) node.on(semantic_map::to_message(tile, epoch, 1));
-  node.on(curbs_of(reader, trajectory));
-  node.on(markings_of(reader, trajectory));
+  if (epoch_ && (*epoch_ != epoch || shown_as_.inode[0] != now_is.inode[0])) {
+    node_.begin_again();
+    passed_on_.clear();
+  }
+  epoch_ = epoch;
+  pass_on(reader);
+  shown_as_ = now_is;
+  node_.set_title(title_);
+}
+
+void ShownMap::pass_on(const MapReader& reader) {
+  ++revision_;
+  const map_trajectory_t trajectory = trajectory_of(reader, *epoch_);
+  node_.on(trajectory);
+  std::vector<char> bytes;
+  for (const auto& tile : reader.tiles()) {
+    semantic_tile_t message = semantic_map::to_message(tile, *epoch_, 0);
+    bytes.resize(static_cast<std::size_t>(message.getEncodedSize()));
+    message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    const std::size_t hash = std::hash<std::string_view>{}({bytes.data(), bytes.size()});
+    const auto [place, is_new] = passed_on_.try_emplace(tile.key, hash);
+    if (!is_new && std::exchange(place->second, hash) == hash) continue;
+    message.revision = revision_;
+    node_.on(message);
+  }
+  node_.on(curbs_of(reader, trajectory));
+  node_.on(markings_of(reader, trajectory));
+}
+
+void ShownMap::look(std::int64_t now) {
+  const Mark now_is = mark();
+  if (now_is == shown_as_) return;
+  if (now_is.inode[0] == 0) return node_.set_title(title_ + " (deleted)");
+  try {
+    show(now);
+  } catch (const std::exception&) {  // it is being written, say: the next call tries again
+    node_.set_title(title_ + " (cannot be read now)");
+  }
 }
 
 }  // namespace curbstone::view

@@ -90,7 +90,9 @@ std::string title_of(const std::vector<std::string>& files) {
 }
 
 /// Serves until it is stopped.
-void serve(EventLoop& loop, LocalBus& bus, viewer::ViewerNode& node, Playing* playing, viewer::FoxgloveNode* foxglove) {
+void serve(EventLoop& loop, LocalBus& bus, viewer::ViewerNode& node, Playing* playing, ShownMap* map,
+           viewer::FoxgloveNode* foxglove) {
+  if (map != nullptr) loop.every(std::chrono::seconds(1), [map] { map->look(wall_clock()); });
   loop.every(std::chrono::milliseconds(20), [&] {
     if (playing != nullptr) {
       playing->advance();
@@ -146,11 +148,12 @@ int run_view(int argc, char** argv) {
   }
   node.tick(wall_clock());
   if (playing && options.from > 0) playing->obey({.pause = {}, .speed = {}, .position = options.from}, node);
-  if (is_map) show_saved_map(options.files[0], wall_clock(), node);
+  std::optional<ShownMap> map;
+  if (is_map) map.emplace(options.files[0], source.title, node).show(wall_clock());
   fmt::print("view: {}{}\n", viewer::page_address(config, server.port()),
              playing && playing->drive().makes_map() ? " (the log has no map: it is made from the sensors)" : "");
   std::fflush(stdout);
-  serve(loop, bus, node, playing.get(), foxglove ? &*foxglove : nullptr);
+  serve(loop, bus, node, playing.get(), map ? &*map : nullptr, foxglove ? &*foxglove : nullptr);
   return 0;
 }
 

@@ -7,6 +7,7 @@ import { Panel, showSummary } from "./cards/panel";
 import { Ruler } from "./cards/ruler";
 import { showScale } from "./cards/scale_bar";
 import { showSource } from "./cards/source";
+import { showFailure, showStatus } from "./cards/status";
 import { clock, Timeline } from "./cards/timeline";
 import { fit, uncover } from "./cards/uncover";
 import { Connection } from "./connection";
@@ -22,13 +23,13 @@ import { saveCanvases } from "./drawing/save_picture";
 import { Sheet } from "./drawing/sheet";
 import { TiltedMarks } from "./drawing/tilted_marks";
 import { Tilting } from "./drawing/tilting";
-import { byId, fixed, say, seconds } from "./format";
+import { byId, fixed, seconds } from "./format";
 import { listen } from "./gestures";
 import { listenToKeys } from "./keys";
 import { Rewind } from "./past/rewind";
 import { Settings } from "./settings";
-import { judge, judgePast } from "./staleness";
-import { heightRange, mapBounds, newestTime, placeUnder } from "./survey";
+import { judge, judgePast, kElsewhere, kNoLink } from "./staleness";
+import { heightRange, isAnyInView, mapBounds, newestTime, placeUnder } from "./survey";
 import { Pose, World } from "./world";
 
 const world = new World(), arrival = new Arrival(world);
@@ -47,6 +48,7 @@ let connection: Connection;
 let timeline: Timeline;
 let rewind: Rewind;
 let isWell = true;  // of the live data, whatever is shown
+let epoch = 0;       // of the shown map
 let range: [number, number] = [-1, 3];
 let grey = 0;
 let verdict: Verdict = { faults: 0, silent: 0, all: 0 };
@@ -75,7 +77,7 @@ function draw(now: number): void {
     range, now: newestTime(world), grey, hasty, paper: kBackground[look] }, pose);
   const poses: [Pose, string][] = pose ? [[pose, kInk[look].vehicle]] : [], other = localized.poseAt(now);
   if (other && layers.localized) poses.unshift([other, kInk[look].localized]);
-  marks.refresh();
+  marks.refresh(camera);
   (camera.isTilted ? tiltedMarks : marks).draw(camera, look, layers, poses, inspector.picked, ruler.places, grey);
   showScale(camera.scale);
   showTurn(camera);
@@ -112,6 +114,7 @@ function onPast(leapt: boolean): void {
 /// Called when the shown world changed.
 function onNews(): void {
   const { state } = world;
+  if (world.epoch !== epoch) leaveMap();
   state?.pose ? motion.add(state.pose, performance.now()) : motion.clear();
   if (state?.localized?.here) localized.add(state.localized, performance.now());
   else localized.clear();
@@ -122,6 +125,15 @@ function onNews(): void {
   inspector.show(settings.look, settings.mode);
   if (wasOpen && byId("cell").hidden) inspector.pick(null);  // the map of the cell is gone
   draws ? redraw() : connection.drawn();
+}
+
+/// Called when another map is shown: what was pointed out in the one before is nowhere in it.
+function leaveMap(): void {
+  epoch = world.epoch;
+  motion.clear();
+  localized.clear();
+  if (inspector.picked) inspector.pick(null);
+  ruler.forget();
 }
 
 /// Called with the first tiles: looks at them, unless the address has a view.
@@ -142,19 +154,14 @@ function showWhole(): void {
 function look(): void {
   const { state } = world, { isPast } = rewind;
   const age = isPast ? 0 : connection.age() / 1000;
-  const now = judge(rewind.live.state, connection.isOpen && connection.lastFrame > 0, connection.age() / 1000);
+  const now = judge(rewind.live.state, rewind.live.services, connection.link());
   isWell = now.mood !== "bad";
-  const judged = isPast ? judgePast(judge(state, true, age), clock(rewind.behind / 1000)) : now;
-  const status = byId("status");
+  const judged = isPast ? judgePast(judge(state, world.services, kNoLink), clock(rewind.behind / 1000)) : now;
+  if (!judged.sentence && world.tiles.size > 0 && arrival.shown && !isAnyInView(world, camera)) judged.sentence = kElsewhere;
   showTimeline();
   if (arrival.asksForPart()) redraw();  // the part received so far
   settings.write(camera);
-  say(status, judged.word);
-  status.className = `chip ${judged.mood}`;
-  say(byId("curtain"), judged.sentence);
-  byId("curtain").hidden = !judged.sentence;
-  byId("curtain").className = judged.mood;
-  document.title = now.mood === "bad" ? `${now.word} – Curbstone` : "Curbstone";
+  showStatus(judged, now);
   if (grey !== judged.grey) {
     grey = judged.grey;
     redraw();
@@ -201,13 +208,7 @@ function resize(): void {
 }
 
 function toggleNorth(): void {
-  if (!settings.headingUp && camera.turn !== 0 && !settings.follow) {
-    camera.turn = 0;  // turned by hand or by following: the first press turns it upright
-  } else {
-    settings.headingUp = !settings.headingUp;
-    if (settings.headingUp) settings.follow = true;
-    else camera.turn = 0;
-  }
+  settings.toggleNorth(camera);
   settingsChanged();
 }
 
@@ -325,7 +326,7 @@ function wire(): void {
 
 // For the browser's console and for tests/services/viewer/page.
 rewind = new Rewind(world, onPast);
-Object.assign(window, { curbstone: { world, camera, settings, rewind, arrival, redraw, get ruler() { return ruler; } } });
+Object.assign(window, { curbstone: { world, camera, settings, rewind, arrival, redraw, get ruler() { return ruler; }, get ground() { return ground; } } });
 
 settings.read(camera);
 try {
@@ -343,6 +344,5 @@ try {
   look();
   setInterval(look, 500);
 } catch (error) {
-  byId("curtain").textContent = (error as Error).message;
-  byId("curtain").hidden = false;
+  showFailure((error as Error).message);
 }

@@ -21,6 +21,14 @@ export class Settings {
     return matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
   }
 
+  /// North or heading up. If the map was turned by hand or by following, the first call turns it upright.
+  toggleNorth(camera: Camera): void {
+    const isTurned = !this.headingUp && camera.turn !== 0 && !this.follow;
+    this.headingUp = !this.headingUp && !isTurned;
+    if (this.headingUp) this.follow = true;
+    else camera.turn = 0;
+  }
+
   /// What the address does not hold gets its default.
   read(camera: Camera): void {
     const words = new URLSearchParams(location.hash.slice(1));

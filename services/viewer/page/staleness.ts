@@ -1,9 +1,10 @@
 // Whether the shown data are current. A dead bus must look dead.
 import { seconds } from "./format";
-import { State } from "./world";
+import { Service, State } from "./world";
 
 const kOld = 1.5;       // s
 const kPatience = 4;    // s, before the page states what it waits for
+const kNews = 30;       // s for which a new map is announced
 
 export interface Judgement {
   word: string;      // for the chip
@@ -12,9 +13,16 @@ export interface Judgement {
   grey: number;      // 0 .. 1
 }
 
-/// `age`: s since the last frame.
-export function judge(state: State | null, isOpen: boolean, age: number): Judgement {
+/// What the page knows of its connection. `age`: s since the last frame; `refusal`: why the viewer refuses the page.
+export interface Link { isOpen: boolean; age: number; refusal: string }
+
+/// For a world of the past, which needs no connection.
+export const kNoLink: Link = { isOpen: true, age: 0, refusal: "" };
+export const kElsewhere = "No part of the map is in view. The button with the four corners (0) shows the whole map";
+
+export function judge(state: State | null, services: Service[], { isOpen, age, refusal }: Link): Judgement {
   if (!isOpen || age > kOld) {
+    if (refusal) return { word: "Refused", mood: "bad", grey: state ? 1 : 0, sentence: refusal };
     if (!state) return { word: "Connecting", sentence: age > kPatience ? "No answer yet: is curbstone-viewer running?" : "", mood: "", grey: 0 };
     return { word: "No connection", mood: "bad", grey: 1, sentence: `No connection to the viewer for ${seconds(age)}` };
   }
@@ -29,8 +37,15 @@ export function judge(state: State | null, isOpen: boolean, age: number): Judgem
   if (state.pose_age > kOld)
     return { word: "Stale", mood: "bad", grey: 1, sentence: `No pose for ${seconds(state.pose_age)}: this is how it was` };
   if (state.pose?.lost) return { word: "Lost", mood: "bad", grey: 0, sentence: "The mapper has lost the vehicle: its pose is a guess" };
-  const sentence = state.tiles > 0 ? "" : "Poses come. No map has come from semantic_map yet";
+  const sentence = newMap(state, services) || (state.tiles > 0 ? "" : "Poses come. No map has come from semantic_map yet");
   return { word: state.source === "replay" ? "Replay" : "Live", sentence, mood: "good", grey: 0 };
+}
+
+/// Why another map began is in the mapper's own words.
+function newMap({ new_map_age: age }: State, services: Service[]): string {
+  if (age === null || age > kNews) return "";
+  const head = "a new map begins: ", fault = services.flatMap(({ faults }) => faults).find(words => words.startsWith(head));
+  return `A new map began ${Math.ceil(age)} s ago${fault ? `: ${fault.slice(head.length)}` : ". The earlier one is no longer shown"}`;
 }
 
 /// For a world of the past: the judgement of then, with the past stated first.

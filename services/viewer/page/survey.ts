@@ -14,6 +14,16 @@ export function mapBounds(world: World): [number, number, number, number] {
   return [minX * kTileSize, minY * kTileSize, maxX * kTileSize, maxY * kTileSize];
 }
 
+/// Whether a part of any tile is on the screen. Tilted, more is visible than this knows.
+export function isAnyInView(world: World, camera: Camera): boolean {
+  const reach = kTileSize * camera.scale;
+  for (const tile of world.tiles.values()) {
+    const [x, y] = camera.toScreen((tile.x + 0.5) * kTileSize, (tile.y + 0.5) * kTileSize);
+    if (x > -reach && y > -reach && x < camera.width + reach && y < camera.height + reach) return true;
+  }
+  return false;
+}
+
 /// The range of nearly all heights in view, m.
 export function heightRange(world: World, camera: Camera): [number, number] {
   const heights: number[] = [];

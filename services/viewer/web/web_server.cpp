@@ -22,6 +22,7 @@
 namespace curbstone::viewer::web {
 namespace {
 
+constexpr std::string_view kLive = "/live";  // of a page's WebSocket
 constexpr std::string_view kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' blob:; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
@@ -67,7 +68,9 @@ class Visit final : public std::enable_shared_from_this<Visit> {
       return refuse(http::status::method_not_allowed, "GET or HEAD.\n");
     }
     const std::string_view target(request.target().data(), request.target().size());
-    const auto asset = find_asset(target.substr(0, target.find('?')), shared_.settings.folder);
+    const std::string_view path = target.substr(0, target.find('?'));
+    if (path == kLive) return tell_why();
+    const auto asset = find_asset(path, shared_.settings.folder);
     if (!asset) {
       shared_.count("refused.request");
       return refuse(http::status::not_found, "There is no such file.\n");
@@ -75,9 +78,17 @@ class Visit final : public std::enable_shared_from_this<Visit> {
     respond(http::status::ok, asset->type, asset->bytes);
   }
 
+  /// To a page whose WebSocket was refused: a browser keeps that answer to itself.
+  void tell_why() {
+    if (pages_.size() >= shared_.settings.limits.pages)
+      return refuse(http::status::service_unavailable, "Too many pages watch.\n");
+    refuse(http::status::upgrade_required, "A WebSocket, and nothing else.\n");
+  }
+
   void watch(const Request& request, const std::string& host) {
     const bool is_for_page = shared_.settings.subprotocols.empty();
-    if (is_for_page && request.target() != "/live") {
+    const std::string_view target(request.target().data(), request.target().size());
+    if (is_for_page && target != kLive) {
       shared_.count("refused.request");
       return refuse(http::status::not_found, "There is no such file.\n");
     }

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <curbstone/imu_t.hpp>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
@@ -69,7 +70,7 @@ TEST_P(SavedMapTest, IsShownWithItsCurbsAndItsPathAndStaysAsItIs) {
   viewer::FakeAudience audience;
   viewer::ViewerNode node(viewer::ViewerConfig{}, bus, audience, {.kind = "map", .title = "map.db"});
   node.tick(kBegin);
-  show_saved_map(file, kBegin, node);
+  ShownMap(file, "map.db", node).show(kBegin);
   audience.events.push_back({1, viewer::web::Audience::Event::Kind::kCame, "", kBegin});
   audience.events.push_back({1, viewer::web::Audience::Event::Kind::kSaid, R"({"resume": null})", kBegin});
   node.tick(kBegin + 20'000);
@@ -85,6 +86,82 @@ TEST_P(SavedMapTest, IsShownWithItsCurbsAndItsPathAndStaysAsItIs) {
 
 INSTANTIATE_TEST_SUITE_P(OfYesterdayAndOfAClockThatWasAhead, SavedMapTest,
                          ::testing::Values(-86'400'000'000, 86'400'000'000));
+
+/// A page that looks at a map file, which changes meanwhile.
+class ShownMapTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    write_map(file_, kEpoch);
+    node_.tick(now_);
+    map_.show(now_);
+    say(R"({"resume": null})", viewer::web::Audience::Event::Kind::kCame);
+    say(R"({"resume": null})", viewer::web::Audience::Event::Kind::kSaid);
+    look();
+    ASSERT_EQ(page_.tiles.size(), 3U);
+  }
+  /// A second passes.
+  void look() {
+    map_.look(now_);
+    for (int i = 0; i < 10; ++i) {
+      node_.tick(now_ += 100'000);
+      for (const auto& [id, frame] : std::exchange(audience_.sent, {}))
+        say(R"({"ack": )" + std::to_string(page_.read(*frame)) + "}", viewer::web::Audience::Event::Kind::kSaid);
+    }
+  }
+  std::string state() { return page_.state; }
+  int begins() { return page_.begins; }
+
+  test::TemporaryFolder folder_;
+  std::string file_ = folder_ / "map.db";
+  viewer::FrameReader page_;
+
+ private:
+  void say(const std::string& text, viewer::web::Audience::Event::Kind kind) {
+    audience_.events.push_back({1, kind, text, now_});
+  }
+
+  LocalBus bus_;
+  viewer::FakeAudience audience_;
+  viewer::ViewerNode node_{viewer::ViewerConfig{}, bus_, audience_, {.kind = "map", .title = "map.db"}};
+  ShownMap map_{file_, "map.db", node_};
+  std::int64_t now_ = kBegin;
+};
+
+TEST_F(ShownMapTest, GrowsWithItsFile) {
+  MapStore store(file_);
+  MapStore::Batch batch;
+  batch.epoch = kEpoch;
+  batch.tiles = {tile_at(2, CellClass::kCurb), tile_at(3, CellClass::kRoad)};
+  store.write(batch);  // as a mapper does while it drives
+  look();
+  EXPECT_EQ(page_.tiles.size(), 4U);
+  EXPECT_EQ(page_.tiles.at({2, 0}).cell_class[7], static_cast<std::uint8_t>(CellClass::kCurb));
+  EXPECT_EQ(page_.tiles.at({1, 0}).revision, 1) << "it is as it was";
+  EXPECT_EQ(begins(), 1) << "the page keeps what it has";
+}
+
+TEST_F(ShownMapTest, GivesWayToAnotherMapOfItsName) {
+  write_map(folder_ / "other.db", kEpoch);  // of the same epoch: the same log once more
+  std::filesystem::rename(folder_ / "other.db", file_);
+  look();
+  EXPECT_EQ(begins(), 2);
+  EXPECT_EQ(page_.tiles.size(), 3U);
+}
+
+TEST_F(ShownMapTest, StaysThoughItsFileIsGoneAndSaysSo) {
+  std::filesystem::remove(file_);
+  look();
+  EXPECT_EQ(page_.tiles.size(), 3U);
+  EXPECT_THAT(state(), HasSubstr("map.db (deleted)"));
+  std::ofstream(file_) << "no map at all";
+  look();
+  EXPECT_THAT(state(), HasSubstr("map.db (cannot be read now)"));
+  std::filesystem::remove(file_);
+  write_map(file_, kEpoch + 5);
+  look();
+  EXPECT_THAT(state(), HasSubstr(R"("map.db")"));
+  EXPECT_EQ(begins(), 2);
+}
 
 template <class Message>
 void write(LogWriter& log, const std::string& channel, const Message& message, std::int64_t utime) {

@@ -121,7 +121,8 @@ function localization({ localized, pose }: State): [string, string, boolean?][] 
 }
 
 function degrees(rad: number): string {
-  return (((rad * 180 / Math.PI) % 360 + 360) % 360).toFixed(1);
+  const tenths = Math.round(rad * 1800 / Math.PI) % 3600;
+  return ((tenths + 3600) % 3600 / 10).toFixed(1);
 }
 
 function segments<T extends string>(id: string, choices: [T, string][], get: () => T, set: (choice: T) => void): void {

@@ -15,6 +15,13 @@ export class Ruler {
     this.changed();
   }
 
+  /// The places are of a map that is no longer shown.
+  forget(): void {
+    if (this.places.length === 0) return;
+    this.places = [];
+    this.changed();
+  }
+
   /// Sets the first place, then the second; a third call starts again.
   put([x, y]: [number, number]): void {
     const hit = cellAt(this.world, x, y);

@@ -3,8 +3,9 @@
 
 export interface View { x: number; y: number; scale: number; turn: number }  // m, m, CSS pixels per m, rad
 
-export const kMinScale = 0.2;
+export const kMinScale = 0.02;  // 25 km on a small phone
 export const kMaxScale = 800;
+const kApart = 2000;          // m, from an anchor at most
 export const kMaxTilt = 1.1;  // rad: the horizon stays above the screen
 const kFocus = 1.25;          // of the screen's height: distance from the eye to the point looked at
 
@@ -58,7 +59,8 @@ export class Camera implements View {
     return [this.x + c * u + s * v, this.y - s * u + c * v];
   }
 
-  /// From m in map to clip space, column-major.
+  /// To clip space, column-major, from m relative to (x, y): far from the map's origin the graphics card's 32 bits
+  /// would not do.
   matrix(): number[] {
     const [c, s] = [Math.cos(this.turn), Math.sin(this.turn)];
     const [rise, lie] = [Math.sin(this.tilt), Math.cos(this.tilt)];
@@ -70,8 +72,7 @@ export class Camera implements View {
       const w = this.isTilted ? deep[i] / this.distance : 0;
       return [kx * right[i] + ox * w, ky * high[i] + oy * w, kDepth[0] * w, w];
     });
-    const at = [this.x, this.y, this.z];
-    const shift = [0, 1, 2, 3].map(row => -columns.reduce((sum, column, i) => sum + column[row] * at[i], 0));
+    const shift = columns[2].map(rise => -rise * this.z);
     return [...columns.flat(), shift[0] + ox, shift[1] + oy, shift[2] + kDepth[0] + kDepth[1], shift[3] + 1];
   }
 
@@ -108,3 +109,16 @@ export class Camera implements View {
   }
 }
 
+/// A point near the view, to which shapes are relative while 32 bits draw them: 100 km from the map's origin they would
+/// be off by 8 mm, which is six pixels close up.
+export type Anchor = [number, number];  // m in map
+
+/// The middle of the view, rounded.
+export function anchorAt({ x, y }: { x: number; y: number }): Anchor {
+  return [Math.round(x / kApart) * kApart, Math.round(y / kApart) * kApart];
+}
+
+/// False: the view has moved away from it.
+export function isNear([x, y]: Anchor, view: { x: number; y: number }): boolean {
+  return Math.abs(x - view.x) < kApart && Math.abs(y - view.y) < kApart;
+}

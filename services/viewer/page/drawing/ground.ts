@@ -1,5 +1,6 @@
 // The map's cells and the LiDAR's points in WebGL2: the view from above; Relief draws the tilted one.
 import { Camera } from "./camera";
+import { kDistant, paintDistant } from "./distant";
 import { Painter } from "./painter";
 import { kCellsAside, kPageSize, Page } from "./page";
 import { Pages } from "./pages";
@@ -19,6 +20,9 @@ export interface Look {
   hasty: boolean;           // draws the tilted view coarser and faster
   paper: Rgb;
 }
+
+/// `cellWidth`: of the page's nearest cells, CSS pixels.
+export type Paint = (page: Page, cellWidth: number) => WebGLTexture;
 
 export class Ground {
   private gl!: WebGL2RenderingContext;
@@ -51,7 +55,7 @@ export class Ground {
   private setUp(): void {
     const isSlow = this.isSlow = drawsInSoftware();
     const gl = this.canvas.getContext("webgl2", { antialias: !isSlow, premultipliedAlpha: true, preserveDrawingBuffer: false });
-    if (!gl) throw new Error("This browser has no WebGL2, which draws the map.");
+    if (!gl) throw new Error("The map cannot be drawn here: this browser has no WebGL2. Switch its graphics acceleration on, or take a current Firefox, Chrome, Edge or Safari");
     this.gl = gl;
     this.pages = new Pages(gl, this.world, isSlow ? gl.LINEAR_MIPMAP_NEAREST : gl.LINEAR_MIPMAP_LINEAR);
     this.painter = new Painter(gl, this.pages);
@@ -82,6 +86,7 @@ export class Ground {
       this.drawPages(camera, look, paint);
     }
     if (look.points && pose && this.numPoints > 0) this.drawPoints(camera, look, pose);
+    this.pages.forget();
   }
 
   private uploadScan(): void {
@@ -92,8 +97,8 @@ export class Ground {
     world.scanChanged = false;
   }
 
-  /// Brings the picture of a page up to date.
-  private painting(camera: Camera, look: Look): (page: Page) => void {
+  /// Brings the picture of a page up to date and returns it.
+  private painting(camera: Camera, look: Look): Paint {
     const { gl } = this, { theme, mode, relief, range } = look;
     const name = [theme, mode, relief, ...mode === "height" ? range : []].join(" ");
     const isSmall = camera.isTilted || this.cellWidth(camera) < 1.5;
@@ -105,7 +110,8 @@ export class Ground {
       gl.uniform2fv(program.at("range"), range);
       gl.uniform1f(program.at("relief"), relief ? 1 : 0);
     };
-    return page => this.painter.paint(page, name, style, isSmall);
+    return (page, cellWidth) => cellWidth * devicePixelRatio < kDistant ? paintDistant(gl, page, name, look, this.pages.smooth)
+      : this.painter.paint(page, name, style, isSmall);
   }
 
   private ramp(program: Program, look: Look): void {
@@ -130,21 +136,21 @@ export class Ground {
     return camera.scale * kCellSize * this.canvas.width / camera.width;
   }
 
-  private drawPages(camera: Camera, look: Look, paint: (page: Page) => void): void {
+  private drawPages(camera: Camera, look: Look, paint: Paint): void {
     const { gl } = this;
     const flat = !isPlain(look) ? this.flat.any : this.cellWidth(camera) < 1 ? this.flat.far : this.flat.near;
     const seen = [...this.pages.all.values()].filter(page => isSeen(camera, page.x, page.y));
     if (seen.length === 0) return;
-    seen.forEach(paint);
+    const pictures = seen.map(page => paint(page, camera.scale * kCellSize));
     flat.use();
     this.style(flat, look);
     gl.uniform1f(flat.at("side"), kPageSize);
     gl.uniformMatrix4fv(flat.at("toClip"), false, camera.matrix());
     gl.disableVertexAttribArray(0);
     gl.disable(gl.BLEND);
-    for (const page of seen) {
-      this.pages.bind(page);
-      gl.uniform2f(flat.at("corner"), page.x * kPageSize, page.y * kPageSize);
+    for (const [i, page] of seen.entries()) {
+      this.pages.bind(page, pictures[i]);
+      gl.uniform2f(flat.at("corner"), page.x * kPageSize - camera.x, page.y * kPageSize - camera.y);
       gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
     }
     gl.enable(gl.BLEND);
@@ -154,7 +160,7 @@ export class Ground {
     const { gl, point } = this;
     point.use();
     gl.uniformMatrix4fv(point.at("toClip"), false, camera.matrix());
-    gl.uniformMatrix4fv(point.at("toMap"), false, matrixOf(pose));
+    gl.uniformMatrix4fv(point.at("toMap"), false, matrixOf(pose, camera));
     gl.uniform1f(point.at("size"), Math.min(4, Math.max(1.6, camera.scale * 0.05)) * this.canvas.width / camera.width);
     gl.uniform1f(point.at("grey"), look.grey);
     gl.uniform1i(point.at("byIntensity"), look.byIntensity ? 1 : 0);
@@ -173,11 +179,11 @@ function isPlain(look: Look): boolean {
   return look.grey === 0 && look.mode !== "age";
 }
 
-/// Rotation and translation from base_link to map, column-major: yaw, pitch, roll.
-function matrixOf({ x, y, z, roll, pitch, yaw }: Pose): number[] {
+/// Rotation and translation from base_link to m relative to the camera, column-major: yaw, pitch, roll.
+function matrixOf({ x, y, z, roll, pitch, yaw }: Pose, camera: Camera): number[] {
   const [cr, sr, cp, sp, cy, sy] = [roll, pitch, yaw].flatMap(a => [Math.cos(a), Math.sin(a)]);
   return [cy * cp, sy * cp, -sp, 0, cy * sp * sr - sy * cr, sy * sp * sr + cy * cr, cp * sr, 0,
-    cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr, 0, x, y, z, 1];
+    cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr, 0, x - camera.x, y - camera.y, z, 1];
 }
 
 function isSeen(camera: Camera, x: number, y: number): boolean {

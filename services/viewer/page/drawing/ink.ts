@@ -15,3 +15,8 @@ export function ellipseOf({ covariance: [xx, xy, yy] }: Pose): { long: number; s
   return { long: Math.sqrt(Math.max(0, mean + spread) * 5.99), short: Math.sqrt(Math.max(0, mean - spread) * 5.99),
     turn: Math.atan2(2 * xy, xx - yy) / 2 };
 }
+
+/// How strongly an ellipse is filled; one as large as the view would only tint the map. `pixels`: its shorter half axis.
+export function fillOf(pixels: number): number {
+  return 0.16 * Math.min(1, Math.max(0, (240 - pixels) / 160));
+}

@@ -1,7 +1,7 @@
 // The marks above the ground in the view from above: curbs, path, vehicles, the selected cell; Canvas 2D.
 import { Layers } from "../settings";
-import { Camera } from "./camera";
-import { ellipseOf, Ink, kInk } from "./ink";
+import { Anchor, anchorAt, Camera, isNear } from "./camera";
+import { ellipseOf, fillOf, Ink, kInk } from "./ink";
 import { kPaintWidth } from "./paint_strips";
 import { Theme } from "./palette";
 import { Sheet } from "./sheet";
@@ -14,6 +14,7 @@ export class Marks {
   private curbs: Shape[] = [];
   private paint: [MarkingLine, Path2D][] = [];
   private driven = new Path2D();
+  private anchor: Anchor = [0, 0];
 
   constructor(private sheet: Sheet, private world: World) {
     this.context = sheet.context;
@@ -37,29 +38,34 @@ export class Marks {
     this.sheet.show();
   }
 
-  /// Sets the canvas's coordinates to m in map.
+  /// Sets the canvas's coordinates to m relative to the anchor.
   private toMap(camera: Camera): void {
     const dots = this.sheet.width / camera.width;
     const k = camera.scale * dots;
     const [c, s] = [Math.cos(camera.turn) * k, Math.sin(camera.turn) * k];
-    const [x, y] = camera.toScreen(0, 0);
+    const [x, y] = camera.toScreen(...this.anchor);
     this.context.setTransform(c, -s, -s, -c, x * dots, y * dots);
   }
 
   /// Takes the changes of the world; call it before each drawing.
-  refresh(): void {
+  refresh(camera: Camera): void {
     const { world } = this;
+    if (!isNear(this.anchor, camera)) {
+      this.anchor = anchorAt(camera);
+      world.curbsChanged = world.markingsChanged = world.pathChanged = true;
+    }
+    const { anchor } = this, [ax, ay] = anchor;
     if (world.curbsChanged) {
-      this.curbs = [...world.curbs.values()].map(shapeOf);
+      this.curbs = [...world.curbs.values()].map(line => shapeOf(line, anchor));
       world.curbsChanged = false;
     }
     if (world.markingsChanged) {
-      this.paint = [...world.markings.values()].map(line => [line, pathOf(line)]);
+      this.paint = [...world.markings.values()].map(line => [line, pathOf(line, anchor)]);
       world.markingsChanged = false;
     }
     if (world.pathChanged) {
       this.driven = new Path2D();
-      for (let i = 0; i < world.path.length; i += 3) this.driven.lineTo(world.path[i], world.path[i + 1]);
+      for (let i = 0; i < world.path.length; i += 3) this.driven.lineTo(world.path[i] - ax, world.path[i + 1] - ay);
       world.pathChanged = false;
     }
   }
@@ -115,10 +121,10 @@ export class Marks {
   }
 
   private drawPicked([x, y]: [number, number], ink: Ink, pixel: number): void {
-    const { context } = this;
+    const { context, anchor: [ax, ay] } = this;
     const side = Math.max(kCellSize, 6 * pixel);
-    const cornerX = (Math.floor(x / kCellSize) + 0.5) * kCellSize - side / 2;
-    const cornerY = (Math.floor(y / kCellSize) + 0.5) * kCellSize - side / 2;
+    const cornerX = (Math.floor(x / kCellSize) + 0.5) * kCellSize - ax - side / 2;
+    const cornerY = (Math.floor(y / kCellSize) + 0.5) * kCellSize - ay - side / 2;
     for (const [colour, width] of [[ink.halo, 5], [ink.vehicle, 2.5]] as const) {
       context.strokeStyle = colour;
       context.lineWidth = width * pixel;
@@ -128,16 +134,16 @@ export class Marks {
 
   /// A line from place to place, with a ring around each.
   private drawMeasured(places: Place[], ink: Ink, pixel: number): void {
-    const { context } = this;
+    const { context, anchor: [ax, ay] } = this;
     for (const [colour, width] of [[ink.halo, 5], [ink.vehicle, 2]] as const) {
       context.strokeStyle = colour;
       context.lineWidth = width * pixel;
       context.beginPath();
-      for (const { x, y } of places) context.lineTo(x, y);
+      for (const { x, y } of places) context.lineTo(x - ax, y - ay);
       context.stroke();
       for (const { x, y } of places) {
         context.beginPath();
-        context.arc(x, y, 5 * pixel, 0, 2 * Math.PI);
+        context.arc(x - ax, y - ay, 5 * pixel, 0, 2 * Math.PI);
         context.stroke();
       }
     }
@@ -148,9 +154,9 @@ export class Marks {
     if (!(long > 3 * pixel)) return;
     const { context } = this;
     context.beginPath();
-    context.ellipse(pose.x, pose.y, long, Math.max(short, pixel), turn, 0, 2 * Math.PI);
+    context.ellipse(pose.x - this.anchor[0], pose.y - this.anchor[1], long, Math.max(short, pixel), turn, 0, 2 * Math.PI);
     context.fillStyle = context.strokeStyle = colour;
-    context.globalAlpha = 0.16;
+    context.globalAlpha = fillOf(short / pixel);
     context.fill();
     context.globalAlpha = 0.8;
     context.lineWidth = 1.2 * pixel;
@@ -163,7 +169,7 @@ export class Marks {
     const { context } = this;
     const [length, width, middle] = this.world.state?.vehicle ?? [1.8, 1.2, 0];
     context.save();
-    context.translate(pose.x, pose.y);
+    context.translate(pose.x - this.anchor[0], pose.y - this.anchor[1]);
     context.rotate(pose.yaw);
     context.fillStyle = pose.lost ? "#888" : colour;
     context.strokeStyle = ink.body;
@@ -205,21 +211,21 @@ function roundedBox(context: CanvasRenderingContext2D, x: number, y: number, wid
   context.closePath();
 }
 
-function pathOf({ n, values, painted }: MarkingLine): Path2D {
+function pathOf({ n, values, painted }: MarkingLine, [ax, ay]: Anchor): Path2D {
   const path = new Path2D();
   for (let i = 0; i + 1 < n; ++i) {
     if (!painted[i]) continue;
-    if (i === 0 || !painted[i - 1]) path.moveTo(values[i], values[n + i]);
-    path.lineTo(values[i + 1], values[n + i + 1]);
+    if (i === 0 || !painted[i - 1]) path.moveTo(values[i] - ax, values[n + i] - ay);
+    path.lineTo(values[i + 1] - ax, values[n + i + 1] - ay);
   }
   return path;
 }
 
-function shapeOf(line: CurbLine): Shape {
+function shapeOf(line: CurbLine, [ax, ay]: Anchor): Shape {
   const path = new Path2D(), ticks = new Path2D();
   const { n, values } = line;
   for (let i = 0; i < n; ++i) {
-    const [x, y, height] = [values[i], values[n + i], values[3 * n + i]];
+    const [x, y, height] = [values[i] - ax, values[n + i] - ay, values[3 * n + i]];
     path.lineTo(x, y);
     const reach = Math.min(0.3, 0.06 + height);
     ticks.moveTo(x, y);

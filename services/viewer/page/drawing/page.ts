@@ -1,4 +1,5 @@
 // A page: a square of the map's tiles with its textures and meshes.
+import { Distant } from "./distant";
 import { kCells, kTileSize, Tile } from "../world";
 
 export const kTilesAside = 32;               // of a page: 96 m
@@ -8,13 +9,19 @@ export const kPageSize = kTilesAside * kTileSize;  // m
 /// A range of cells; `right` and `high` are exclusive.
 export interface Area { left: number; low: number; right: number; high: number }
 
-/// `cells`: class, cost, confidence, and 255 where a tile is. `heights`: m, kNone. `times`: of each tile's newest
-/// points, s. `seconds`: the content for `times`; `aged`: it is not uploaded yet. `picture`: the cells' colours
-/// (Painter), out of date within `unpainted`. `tiles`: by row and column. `squares`: the quadtree nodes of the tilted
-/// view, by squareKey().
+/// The textures of every cell; only of a page that is, or recently was, seen close up. `cells`: class, cost, confidence,
+/// and 255 where a tile is. `heights`: m, kNone. `picture`: the cells' colours (Painter), out of date within `unpainted`.
+/// `used`: number of the picture of the map that it was needed for last.
+export interface Close {
+  cells: WebGLTexture; heights: WebGLTexture; picture: WebGLTexture; unpainted: Area | null; paintedAs: string;
+  hasSmaller: boolean; used: number;
+}
+
+/// `times`: of each tile's newest points, s. `seconds`: the content for `times`; `aged`: it is not uploaded yet.
+/// `tiles`: by row and column. `squares`: the quadtree nodes of the tilted view, by squareKey().
 export interface Page {
-  x: number; y: number; cells: WebGLTexture; heights: WebGLTexture; times: WebGLTexture; picture: WebGLTexture;
-  seconds: Float32Array; aged: boolean; unpainted: Area | null; paintedAs: string; hasSmaller: boolean;
+  x: number; y: number; times: WebGLTexture; seconds: Float32Array; aged: boolean;
+  close: Close | null; distant: Distant | null;
   tiles: (Tile | undefined)[]; squares: Map<number, Square>;
 }
 

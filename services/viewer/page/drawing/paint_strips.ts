@@ -1,13 +1,14 @@
 // Road paint in the tilted view: one flat strip per painted piece.
+import { Anchor } from "./camera";
 import { MarkingLine } from "../world";
 
 export const kPaintWidth = 0.12;  // m, if unknown
 
 /// Triangles of x, y, z and brightness, as in curb_walls.
-export function stripsOf(markings: Iterable<MarkingLine>): Float32Array {
+export function stripsOf(markings: Iterable<MarkingLine>, [ax, ay]: Anchor): Float32Array {
   const points: number[] = [];
   for (const { n, values: v, painted, width } of markings) for (let i = 0; i + 1 < n; ++i) {
-    const [x, y, z, nextX, nextY, nextZ] = [v[i], v[n + i], v[2 * n + i], v[i + 1], v[n + i + 1], v[2 * n + i + 1]];
+    const [x, y, z, nextX, nextY, nextZ] = [v[i] - ax, v[n + i] - ay, v[2 * n + i], v[i + 1] - ax, v[n + i + 1] - ay, v[2 * n + i + 1]];
     const length = Math.hypot(nextX - x, nextY - y);
     if (!painted[i] || !(length > 0)) continue;
     const half = (width || kPaintWidth) / 2 / length, [a, b] = [(y - nextY) * half, (nextX - x) * half];

@@ -14,18 +14,18 @@ export class Painter {
     this.canvas = gl.createFramebuffer()!;
   }
 
-  /// Brings the page's picture up to date. `look` names everything but the cells that the colours depend on; `style`
+  /// Brings the page's picture up to date and returns it. `look` names everything but the cells that the colours depend on; `style`
   /// sets the uniforms of kPaintFragment; `isSmall`: the picture is drawn smaller than it is.
-  paint(page: Page, look: string, style: (program: Program) => void, isSmall: boolean): void {
-    const { gl } = this;
-    if (page.paintedAs !== look) page.unpainted = { left: 0, low: 0, right: kCellsAside, high: kCellsAside };
-    if (page.unpainted) {
-      const { left, low, right, high } = page.unpainted;
+  paint(page: Page, look: string, style: (program: Program) => void, isSmall: boolean): WebGLTexture {
+    const { gl } = this, close = this.pages.closeOf(page);
+    if (close.paintedAs !== look) close.unpainted = { left: 0, low: 0, right: kCellsAside, high: kCellsAside };
+    if (close.unpainted) {
+      const { left, low, right, high } = close.unpainted;
       this.program.use();
       style(this.program);
-      this.pages.bind(page);
+      this.pages.bind(page, close.picture);
       gl.bindFramebuffer(gl.FRAMEBUFFER, this.canvas);
-      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, page.picture, 0);
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, close.picture, 0);
       gl.viewport(0, 0, kCellsAside, kCellsAside);
       gl.disable(gl.BLEND);
       gl.enable(gl.SCISSOR_TEST);
@@ -36,14 +36,15 @@ export class Painter {
       gl.enable(gl.BLEND);
       gl.bindFramebuffer(gl.FRAMEBUFFER, null);
       gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
-      page.unpainted = null;
-      page.paintedAs = look;
-      page.hasSmaller = false;
+      close.unpainted = null;
+      close.paintedAs = look;
+      close.hasSmaller = false;
     }
-    if (!isSmall || page.hasSmaller) return;
+    if (!isSmall || close.hasSmaller) return close.picture;
     gl.activeTexture(gl.TEXTURE3);
-    gl.bindTexture(gl.TEXTURE_2D, page.picture);
+    gl.bindTexture(gl.TEXTURE_2D, close.picture);
     gl.generateMipmap(gl.TEXTURE_2D);
-    page.hasSmaller = true;
+    close.hasSmaller = true;
+    return close.picture;
   }
 }

@@ -1,8 +1,9 @@
 // The tilted view in WebGL2: the ground as meshes, obstacles and walls as boxes, curbs as walls of their height.
 // Distant parts are coarser; nothing is drawn beyond kReach.
 import { Blocks, kFaceFloats } from "./blocks";
-import { Camera } from "./camera";
+import { anchorAt, Camera, isNear } from "./camera";
 import { wallsOf } from "./curb_walls";
+import type { Paint } from "./ground";
 import { Boxes, kPageSize, kTilesAside, Page, Square } from "./page";
 import { Pages } from "./pages";
 import { stripsOf } from "./paint_strips";
@@ -24,8 +25,8 @@ const kInSoftware: Budget = { widest: 700, faces: 6_000 };
 
 interface Indices { buffer: WebGLBuffer; n: number }
 
-/// Curbs or paint. `points`: number in the buffer; kOther: the lines changed.
-interface Solid { buffer: WebGLBuffer; points: number }
+/// Curbs or paint. `points`: number in the buffer; kOther: the lines changed. They are relative to `anchor`, m in map.
+interface Solid { buffer: WebGLBuffer; points: number; anchor: [number, number] }
 const kOther = -1;
 
 export class Relief {
@@ -51,8 +52,8 @@ export class Relief {
     const indices = (step: number) => ({ buffer: this.buffer(gl.ELEMENT_ARRAY_BUFFER, netIndices(step)), n: netIndices(step).length });
     this.nets = { fine: indices(1), coarse: indices(kCoarseNet) };
     this.faceIndices = this.buffer(gl.ELEMENT_ARRAY_BUFFER, faceIndices());
-    this.walls = { buffer: gl.createBuffer()!, points: kOther };
-    this.strips = { buffer: gl.createBuffer()!, points: kOther };
+    this.walls = { buffer: gl.createBuffer()!, points: kOther, anchor: [0, 0] };
+    this.strips = { buffer: gl.createBuffer()!, points: kOther, anchor: [0, 0] };
   }
 
   curbsChanged(): void { this.walls.points = kOther; }
@@ -60,13 +61,13 @@ export class Relief {
 
   /// `style` sets the uniforms of kPicture; `paint` brings a page's picture up to date; `isPlain`: not coloured by age
   /// and not grey; `curbs`, `markings`: their colours, or null; `isHasty`: coarser.
-  draw(camera: Camera, style: (program: Program) => void, paint: (page: Page) => void, cells: boolean, isPlain: boolean, curbs: number[] | null, markings: number[] | null, grey: number, isHasty: boolean): void {
+  draw(camera: Camera, style: (program: Program) => void, paint: Paint, cells: boolean, isPlain: boolean, curbs: number[] | null, markings: number[] | null, grey: number, isHasty: boolean): void {
     const { gl } = this, toClip = camera.matrix();
     ++this.picture;
     gl.enable(gl.DEPTH_TEST);
     if (cells) {
       const seen = byPage(squaresInView(this.pages.all.values(), camera, this.budget.widest, kReach));
-      for (const page of seen.keys()) paint(page);
+      const pictures = new Map([...seen].map(([page, squares]) => [page, paint(page, Math.max(...squares.map(widthOfCell)))]));
       const use = (program: Program) => {
         program.use();
         style(program);
@@ -75,11 +76,11 @@ export class Relief {
       };
       const net = isPlain ? this.net.plain : this.net.any;
       use(net);
-      this.eachPage(net, seen, ({ square }) => this.drawNet(square, isHasty ? this.nets.coarse : this.nets.fine));
+      this.eachPage(net, camera, seen, pictures, ({ square }) => this.drawNet(square, isHasty ? this.nets.coarse : this.nets.fine));
       use(this.block);
       gl.enable(gl.CULL_FACE);
       let left = this.budget.faces;
-      this.eachPage(this.block, seen, one => { left -= this.drawBoxes(one, left); });
+      this.eachPage(this.block, camera, seen, pictures, one => { left -= this.drawBoxes(one, left); });
       gl.disable(gl.CULL_FACE);
       gl.disableVertexAttribArray(1);
       this.forget();
@@ -88,17 +89,17 @@ export class Relief {
     gl.uniformMatrix4fv(this.solid.at("toClip"), false, toClip);
     gl.uniform1f(this.solid.at("reach"), kReach);
     gl.uniform1f(this.solid.at("grey"), grey);
-    if (markings) this.drawSolid(this.strips, markings, () => stripsOf(this.world.markings.values()));
-    if (curbs) this.drawSolid(this.walls, curbs, () => wallsOf(this.world.curbs.values()));
+    if (markings) this.drawSolid(this.strips, camera, markings, anchor => stripsOf(this.world.markings.values(), anchor));
+    if (curbs) this.drawSolid(this.walls, camera, curbs, anchor => wallsOf(this.world.curbs.values(), anchor));
     gl.disable(gl.DEPTH_TEST);
   }
 
-  private eachPage(program: Program, seen: Map<Page, Seen[]>, draw: (one: Seen) => void): void {
+  private eachPage(program: Program, camera: Camera, seen: Map<Page, Seen[]>, pictures: Map<Page, WebGLTexture>, draw: (one: Seen) => void): void {
     const { gl } = this;
     gl.enableVertexAttribArray(0);
     for (const [page, squares] of seen) {
-      this.pages.bind(page);
-      gl.uniform2f(program.at("corner"), page.x * kPageSize, page.y * kPageSize);
+      this.pages.bind(page, pictures.get(page)!);
+      gl.uniform2f(program.at("corner"), page.x * kPageSize - camera.x, page.y * kPageSize - camera.y);
       squares.forEach(draw);
     }
   }
@@ -113,8 +114,8 @@ export class Relief {
   }
 
   /// Draws fine boxes if there is room for them. Returns the number of faces drawn.
-  private drawBoxes({ square, width }: Seen, room: number): number {
-    const { gl } = this, cell = width / (25 << square.level);
+  private drawBoxes(one: Seen, room: number): number {
+    const { gl } = this, { square } = one, cell = widthOfCell(one);
     let boxes: Boxes | null = null;
     if (cell >= kFineCell) boxes = square.boxes[0] ??= this.boxesOf(square, 0);
     if ((!boxes || boxes.faces > room) && cell >= kCoarseCell) boxes = square.boxes[1] ??= this.boxesOf(square, 1);
@@ -173,19 +174,25 @@ export class Relief {
     return made;
   }
 
-  private drawSolid(solid: Solid, ink: number[], make: () => Float32Array): void {
+  private drawSolid(solid: Solid, camera: Camera, ink: number[], make: (anchor: [number, number]) => Float32Array): void {
     const { gl } = this;
     gl.uniform4fv(this.solid.at("ink"), ink);
     gl.bindBuffer(gl.ARRAY_BUFFER, solid.buffer);
-    if (solid.points === kOther) {
-      const points = make();
+    if (solid.points === kOther || !isNear(solid.anchor, camera)) {
+      const points = make(solid.anchor = anchorAt(camera));
       gl.bufferData(gl.ARRAY_BUFFER, points, gl.DYNAMIC_DRAW);
       solid.points = points.length / 4;
     }
+    gl.uniform2f(this.solid.at("anchor"), solid.anchor[0] - camera.x, solid.anchor[1] - camera.y);
     gl.enableVertexAttribArray(0);
     gl.vertexAttribPointer(0, 4, gl.FLOAT, false, 0, 0);
     gl.drawArrays(gl.TRIANGLES, 0, solid.points);
   }
+}
+
+/// Pixels.
+function widthOfCell({ square, width }: Seen): number {
+  return width / (25 << square.level);
 }
 
 function byPage(seen: Seen[]): Map<Page, Seen[]> {

@@ -3,8 +3,8 @@ import { kColourOf, kPicture } from "./shaders";
 
 export const kNetVertex = `#version 300 es
 precision highp float;
-uniform mat4 toClip;      // from m in map
-uniform vec2 corner;      // of the page, m in map
+uniform mat4 toClip;      // from m relative to the camera
+uniform vec2 corner;      // of the page, m relative to the camera
 uniform float reach;
 in vec3 point;            // column and row in the page; m
 out highp vec2 cell;
@@ -18,7 +18,7 @@ void main() {
 /// A point of a box on blocking cells, in the colour of one of them.
 export const kBlockVertex = `${kPicture}
 uniform mat4 toClip;
-uniform vec2 corner;      // of the page, m in map
+uniform vec2 corner;      // of the page, m relative to the camera
 uniform float reach;
 in vec4 point;            // column and row in the page; m; light
 in vec2 place;            // of the cell
@@ -67,10 +67,11 @@ export const kSolidVertex = `#version 300 es
 uniform mat4 toClip;
 uniform vec4 ink;
 uniform float reach;
-in vec4 point;            // m in map; light
+uniform vec2 anchor;      // m relative to the camera
+in vec4 point;            // m relative to the anchor; light
 out vec4 shade;
 void main() {
-  gl_Position = toClip * vec4(point.xyz, 1);
+  gl_Position = toClip * vec4(point.xy + anchor, point.z, 1);
   gl_Position.z -= 0.003 * gl_Position.w;  // before the net's slope that stands for the same step
   shade = vec4(ink.rgb * abs(point.w), 1) * ink.a * (point.w < 0.0 ? 0.55 : 1.0) * (1.0 - smoothstep(0.55 * reach, reach, gl_Position.w));
 }`;

@@ -87,8 +87,8 @@ export const kColourOf = `vec4 colourOf(vec2 cell) {
 
 /// A page is one quad.
 export const kPageVertex = `#version 300 es
-uniform mat4 toClip;      // from m in map
-uniform vec2 corner;      // of the page, m in map
+uniform mat4 toClip;      // from m relative to the camera
+uniform vec2 corner;      // of the page, m relative to the camera
 uniform float side;       // m
 uniform float cellsAside;
 out highp vec2 cell;

@@ -2,7 +2,7 @@
 // hide them.
 import { Layers } from "../settings";
 import { Camera } from "./camera";
-import { ellipseOf, Ink, kInk } from "./ink";
+import { ellipseOf, fillOf, Ink, kInk } from "./ink";
 import { Theme } from "./palette";
 import { Sheet } from "./sheet";
 import { heightAt, kCellSize, Place, Pose, World } from "../world";
@@ -94,7 +94,7 @@ export class TiltedMarks {
       return camera.toScreen(pose.x + c * u - s * v, pose.y + s * u + c * v, pose.z + 0.02);
     }));
     context.fillStyle = context.strokeStyle = colour;
-    context.globalAlpha = 0.16;
+    context.globalAlpha = fillOf(short * camera.scale);
     context.fill();
     context.globalAlpha = 0.8;
     context.lineWidth = 1.2;

@@ -162,7 +162,7 @@ TEST_F(PageHands, WordsStandOutFromWhatTheyStandOn) {
 TEST_F(PageHands, ALinkThatSomebodyMarredShowsSomething) {
   put_a_road();
   open("at=0,0,1e-9,0&follow=0&colour=sepia&theme=pink&tilt=400&off=all");
-  EXPECT_NEAR(camera("scale"), 0.2, 1e-9);
+  EXPECT_NEAR(camera("scale"), 0.02, 1e-9);
   EXPECT_LT(camera("tilt"), 1.2);
   EXPECT_EQ(browser->evaluate("curbstone.settings.mode"), "class");
   browser->evaluate("location.hash = 'at=0,0,1e9,0&follow=0'");

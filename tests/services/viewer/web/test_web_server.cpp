@@ -281,9 +281,11 @@ TEST_F(WebServerTest, SoManyPagesMayWatchAndNoMore) {
   for (int i = 0; i < 3; ++i) pages.push_back(open_page());
   EXPECT_THAT(connect().upgrade(host_, "http://" + host_), StartsWith("HTTP/1.1 503"));
   EXPECT_EQ(counted("refused.pages"), 1);
+  EXPECT_THAT(ask(get("/live", host_)), StartsWith("HTTP/1.1 503")) << "for the page, which is not told why";
   pages.pop_back();
   EXPECT_TRUE(comes_to(
       [&] { return RawClient(connect()).upgrade(host_, "http://" + host_).find(" 101 ") != std::string::npos; }));
+  EXPECT_TRUE(comes_to([&] { return ask(get("/live", host_)).starts_with("HTTP/1.1 426"); }));
 }
 
 TEST_F(WebServerTest, TwoHundredConnectionsLeaveThePageItsOwn) {

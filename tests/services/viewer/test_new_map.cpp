@@ -1,0 +1,94 @@
+// What the pages are told of a map that does not continue the one before.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "common/bus/local_bus.hpp"
+#include "services/viewer/viewer_node.hpp"
+#include "tests/services/viewer/fake_audience.hpp"
+#include "tests/services/viewer/frame_reader.hpp"
+
+namespace curbstone::viewer {
+namespace {
+
+constexpr std::int32_t kBefore = 1'700'000'000, kAfter = kBefore + 5;  // epochs
+constexpr std::int64_t kBegan = std::int64_t{kBefore} * 1'000'000 + 10'000'000;
+
+class NewMapTest : public ::testing::Test {
+ protected:
+  NewMapTest() : node_(ViewerConfig{}, bus_, audience_, {}) {
+    node_.connect(bus_);
+    node_.tick(now_);
+    for (int i = 0; i < 4; ++i) drive(kBegan + i * 50'000, i, kBefore);
+    audience_.events = {{1, web::Audience::Event::Kind::kCame, "", now_},
+                        {1, web::Audience::Event::Kind::kSaid, R"({"resume": null})", now_}};
+  }
+  /// The vehicle is `x` m from the map's origin at `utime`.
+  void drive(std::int64_t utime, double x, std::int32_t epoch) {
+    map_pose_t pose{};
+    pose.utime = utime;
+    pose.epoch = epoch;
+    pose.map_base_position[0] = x;
+    pose.map_base_orientation[0] = pose.map_odom_orientation[0] = 1;
+    pose.flags = map_pose_t::REGISTERED;
+    bus_.publish("MAP_POSE", pose);
+    bus_.dispatch();
+  }
+  void begin_epoch(std::int64_t utime, double x) {
+    for (int i = 0; i < 3; ++i) drive(utime + i * 50'000, x, kAfter);
+  }
+  /// The drive of the earlier epoch is also that of the new one.
+  void carry_on() {
+    map_trajectory_t drive{};
+    drive.epoch = kAfter;
+    drive.num_pages = drive.num_poses = 1;
+    drive.utimes = {kBegan};
+    drive.revolutions = {1};
+    drive.positions = {{-5, 0, 0}};
+    drive.orientations = {{1, 0, 0, 0}};
+    bus_.publish("MAP_TRAJECTORY", drive);
+    bus_.dispatch();
+  }
+  nlohmann::json new_map_age() {
+    node_.tick(now_ += 200'000);
+    FrameReader page;
+    for (const auto& [id, frame] : std::exchange(audience_.sent, {})) {
+      const std::string number = std::to_string(page.read(*frame));
+      audience_.events.push_back({id, web::Audience::Event::Kind::kSaid, R"({"ack": )" + number + "}", now_});
+    }
+    return nlohmann::json::parse(page.state).at("new_map_age");
+  }
+
+ private:
+  LocalBus bus_;
+  FakeAudience audience_;
+  ViewerNode node_;
+  std::int64_t now_ = kBegan;
+};
+
+TEST_F(NewMapTest, HasADriveThatBeginsAtItsOriginAfterTheOneBefore) {
+  EXPECT_TRUE(new_map_age().is_null()) << "the first map";
+  begin_epoch(kBegan + 9'000'000, 0.2);
+  drive(kBegan + 12'000'000, 5, kAfter);
+  EXPECT_NEAR(new_map_age().get<double>(), 3, 0.06);
+}
+
+TEST_F(NewMapTest, IsNotOneThatWasCorrectedAsAWhole) {
+  begin_epoch(kBegan + 9'000'000, 0.2);
+  carry_on();
+  EXPECT_TRUE(new_map_age().is_null());
+}
+
+TEST_F(NewMapTest, IsNotOneWhoseDriveWasLostOnTheBus) {
+  begin_epoch(kBegan + 9'000'000, 40);
+  EXPECT_TRUE(new_map_age().is_null());
+}
+
+TEST_F(NewMapTest, StaysOneThoughItIsCorrectedAsAWhole) {
+  begin_epoch(kBegan + 9'000'000, 0.2);
+  for (int i = 0; i < 3; ++i) drive(kBegan + 20'000'000 + i * 50'000, 0.3, kAfter + 1);
+  EXPECT_NEAR(new_map_age().get<double>(), 0.1, 0.2);
+}
+
+}  // namespace
+}  // namespace curbstone::viewer
