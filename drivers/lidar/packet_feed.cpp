@@ -84,7 +84,7 @@ void count_refused(const DriverCapture& capture, LidarNode& node) {
   if (capture.cut() > 0) node.set_counter("refused.cut_off", capture.cut());
 }
 
-constexpr int kMostAtOnce = 1000;  // packets per millisecond: a capture may have times that would block the loop
+constexpr int kMaxAtOnce = 1000;  // packets per millisecond: a capture may have times that would block the loop
 
 class CaptureFeed final : public PacketFeed {
  public:
@@ -98,7 +98,7 @@ class CaptureFeed final : public PacketFeed {
   void feed() {
     const std::int64_t now = steady_clock();
     const auto& packet = capture_.packet();
-    for (int i = 0; i < kMostAtOnce && packet && pace_.due(packet->received, now); ++i) {
+    for (int i = 0; i < kMaxAtOnce && packet && pace_.due(packet->received, now); ++i) {
       node_.on_packet(packet->received, packet->port, packet->bytes);
       ++count_;
       capture_.advance();

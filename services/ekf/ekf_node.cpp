@@ -67,7 +67,7 @@ void EkfNode::on(const imu_t& message) {
       clock_.add(inputs::RunningClock::Sensor::kImu, message.utime, message.sequence);
   if (!utime) return;
   if (clock_.offset() != offset_before) increments_.interrupt();
-  if (clock_.offset() > offset_before) sequencer_.drop_wheels_after(*utime + inputs::RunningClock::kLeast);
+  if (clock_.offset() > offset_before) sequencer_.drop_wheels_after(*utime + inputs::RunningClock::kMinLeap);
   base::ImuSample sample = sample_of(message);
   sample.utime = imu_stamps_.add(*utime, message.sequence);
   if (sample.utime != *utime) counters_.add("straightened.imu");

@@ -21,8 +21,8 @@ namespace {
 
 constexpr std::size_t kMaxPending = 80;  // revolutions that wait for odometry; 20 Hz: 4 s
 constexpr double kSteadyFor = 0.5;       // s for which the last motion is assumed to continue without odometry
-constexpr double kMostSpeed = 40.0;      // m/s: faster odometry has started anew
-constexpr double kMostTurn = 6.0;        // rad/s
+constexpr double kMaxSpeed = 40.0;       // m/s: faster odometry has started anew
+constexpr double kMaxTurn = 6.0;         // rad/s
 constexpr double kStartTilt = 0.02;      // rad, 1 sigma of roll and pitch at the start
 constexpr double kStartHeight = 0.15;    // m
 constexpr double kUnknown = 1000.0;      // m and rad, 1 sigma of an unknown pose
@@ -159,8 +159,8 @@ tracking::Motion LocalizerNode::motion_to(const mapper::scan::Scan& scan) {
   if (odometry_.covers(std::min(last_end_, scan.end), scan.end)) {
     motion.T_last_base = odometry_.at(last_end_).inverse() * odometry_.at(scan.end);
     const double stride = std::max(motion.seconds, 0.02);
-    if (motion.seconds > 0 && motion.T_last_base.translation().norm() <= kMostSpeed * stride &&
-        angle_of(motion.T_last_base) <= kMostTurn * stride) {
+    if (motion.seconds > 0 && motion.T_last_base.translation().norm() <= kMaxSpeed * stride &&
+        angle_of(motion.T_last_base) <= kMaxTurn * stride) {
       twist_ = mapper::scan::twist_of(motion.T_last_base, motion.seconds);
       return motion;
     }

@@ -12,7 +12,7 @@ bool ConfigMemory::take(const void* data, int size) {
   service_config_t message;
   if (!decode(data, size, message)) return false;
   const std::string id = message.service + " on " + message.host;
-  if (by_service_.size() >= kMost && !by_service_.contains(id)) return false;
+  if (by_service_.size() >= kMaxProcesses && !by_service_.contains(id)) return false;
   const auto* bytes = static_cast<const std::uint8_t*>(data);
   Known& known = by_service_[id];
   const bool is_new = known.bytes.empty() || known.yaml != message.yaml || known.version != message.version;

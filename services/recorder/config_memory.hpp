@@ -25,7 +25,7 @@ class ConfigMemory {
     std::string section, yaml, version, host;
     std::vector<std::uint8_t> bytes;
   };
-  static constexpr std::size_t kMost = 200;  // processes; a vehicle does not have more
+  static constexpr std::size_t kMaxProcesses = 200;  // processes; a vehicle does not have more
   std::map<std::string, Known> by_service_;
 };
 

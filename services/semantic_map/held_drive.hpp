@@ -10,18 +10,18 @@
 namespace curbstone::semantic_map {
 
 /// Holds the mapper's messages about the drive in an epoch that may begin (EpochFollower), until the epoch begins or is
-/// rejected. At most kMost messages, the newest ones.
+/// rejected. At most kMaxMessages messages, the newest ones.
 class HeldDrive {
  public:
   using Message = std::variant<map_pose_t, map_trajectory_t>;
-  static constexpr std::size_t kMost = 64;  ///< of up to 42 kB; a new epoch is accepted with the second message
+  static constexpr std::size_t kMaxMessages = 64;  ///< of up to 42 kB; a new epoch is accepted with the second message
 
   /// Holds a message. Only messages of one epoch are held: those of another are dropped. Returns how many were dropped.
   template <typename Any>
   std::size_t hold(const Any& message) {
     std::size_t dropped = message.epoch == epoch_ ? 0 : clear();
     epoch_ = message.epoch;
-    if (messages_.size() == kMost) {
+    if (messages_.size() == kMaxMessages) {
       messages_.pop_front();
       ++dropped;
     }

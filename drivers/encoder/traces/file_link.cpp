@@ -7,7 +7,7 @@
 namespace curbstone::encoder::traces {
 
 namespace {
-constexpr int kMostAtOnce = 64;  // frames per millisecond: no bus has larger bursts
+constexpr int kMaxAtOnce = 64;  // frames per millisecond: no bus has larger bursts
 }
 
 FileLink::FileLink(const std::string& path, double rate, std::vector<std::uint32_t> ours)
@@ -24,7 +24,7 @@ void FileLink::attach(EventLoop& loop, Handlers handlers) {
 
 void FileLink::feed() {
   const std::int64_t now = steady_clock();
-  for (int i = 0; i < kMostAtOnce && next_; ++i) {
+  for (int i = 0; i < kMaxAtOnce && next_; ++i) {
     if (!pace_.due(next_->utime, now)) return;
     hand_over(*next_);
     const std::int64_t utime = next_->utime;

@@ -14,17 +14,18 @@ namespace curbstone::ekf::inputs {
 ///
 /// A sample that leaps is held until the next one shows whether it is isolated. If the signal stays there, as in a
 /// jolt, all held samples are passed on. A leap is a change of kLeaps times the usual change from one sample to the
-/// next, and at least kLeastTurn or kLeastForce: smaller bad samples do no harm. A value type; one thread.
+/// next, and at least kMinTurn or kMinForce: smaller bad samples do no harm. A value type; one thread.
 class LoneSamples {
  public:
   static constexpr double kLeaps = 8.0;
-  static constexpr double kLeastTurn = 0.5;          ///< rad/s
-  static constexpr double kLeastForce = 25.0;        ///< m/s^2
-  static constexpr std::size_t kMost = 2;            ///< samples that may be isolated together
-  static constexpr std::int64_t kMostGap = 100'000;  ///< us, longest gap between samples that can be compared
-  static constexpr double kMemory = 1.0;             ///< s, over which the usual change is averaged
+  static constexpr double kMinTurn = 0.5;           ///< rad/s
+  static constexpr double kMinForce = 25.0;         ///< m/s^2
+  static constexpr std::size_t kMaxIsolated = 2;    ///< samples that may be isolated together
+  static constexpr std::int64_t kMaxGap = 100'000;  ///< us, longest gap between samples that can be compared
+  static constexpr double kMemory = 1.0;            ///< s, over which the usual change is averaged
 
-  /// Adds the next sample. Returns the samples to process, in order: none while the sample may be isolated; up to kMost
+  /// Adds the next sample. Returns the samples to process, in order: none while the sample may be isolated; up to
+  /// kMaxIsolated
   /// + 1 when held samples are released. Valid until the next call.
   const std::vector<base::ImuSample>& add(const base::ImuSample& sample);
   /// Number of isolated samples since the start.

@@ -11,10 +11,10 @@ namespace {
 constexpr std::size_t kRecent = 256;         // samples, of which the least late one gives the line's height
 constexpr std::size_t kEnough = kRecent;     // samples: fewer are not significant
 constexpr std::int64_t kEach = 16;           // samples between two updates
-constexpr std::int64_t kMostLate = 80'000;   // us: a later stamp means a gap, or another rate
+constexpr std::int64_t kMaxLate = 80'000;    // us: a later stamp means a gap, or another rate
 constexpr std::int64_t kJump = 1'000'000;    // us: a step of the clock, or one wild stamp
 constexpr int kConfirmations = 3;            // consecutive stamps of a clock that jumped
-constexpr std::int32_t kMostLost = 20;       // consecutive samples
+constexpr std::int32_t kMaxLost = 20;        // consecutive samples
 constexpr double kSmoothing = 0.1;           // weight of an update of the period
 constexpr double kStop = 0.5;                // share of kJitter below which the correction stops
 constexpr double kStray = 1.3;               // times as far after 64 samples as after 8: a random walk makes 2.8
@@ -30,12 +30,12 @@ std::int64_t StampStraightener::add(std::int64_t stamp, std::int32_t sequence) {
   if (!points_.empty() && step == 0 && ahead != 1) return last_out_;  // the same sample again
   if (!points_.empty() && step < 0 && step > -kJump) return stamp;    // out of order: it keeps its own stamp
   outliers_ = 0;
-  std::int64_t number = ahead > 1 && ahead <= kMostLost ? ahead : 1;
+  std::int64_t number = ahead > 1 && ahead <= kMaxLost ? ahead : 1;
   sequence_ = sequence;
   last_stamp_ = stamp;
   if (!points_.empty()) {
     const double expected = period_ > 0 ? period_ * static_cast<double>(number) : 0.0;
-    if (step < 0 || static_cast<double>(step) > expected + kMostLate) restart();
+    if (step < 0 || static_cast<double>(step) > expected + kMaxLate) restart();
   }
   if (!points_.empty()) number += points_.back().number;
   points_.push_back({number, stamp});
@@ -43,7 +43,7 @@ std::int64_t StampStraightener::add(std::int64_t stamp, std::int32_t sequence) {
   if (points_.size() >= kEnough && number - learnt_at_ >= kEach) learn();
   if (!active_) return last_out_ = stamp;
   const double late = height(points_.back()) - least_height(kRecent);
-  if (late > kMostLate) {
+  if (late > kMaxLate) {
     restart();
     return last_out_ = stamp;
   }
@@ -66,7 +66,7 @@ void StampStraightener::learn() {
   const double least = least_height(points_.size());
   double mean = 0.0;
   for (const Point& point : points_) mean += (height(point) - least) / static_cast<double>(points_.size());
-  active_ = mean > (active_ ? kStop * kJitter : kJitter) && mean < kMostLate && stays_near();
+  active_ = mean > (active_ ? kStop * kJitter : kJitter) && mean < kMaxLate && stays_near();
 }
 
 double StampStraightener::height(const Point& point) const {

@@ -6,11 +6,11 @@
 namespace curbstone::ekf::inputs {
 
 namespace {
-constexpr double kStampSlack = 0.02;        // s: a late stamp makes the next difference look short, and the wheel fast
-constexpr double kJitters = 40.0;           // minimum interval in sigmas of its stamps: 3.5 % of the speed
-constexpr double kMostAcceleration = 15.0;  // m/s^2, of a wheel on the ground
-constexpr double kFits = 4.0;               // sigmas by which two consecutive speeds may differ in addition
-constexpr double kLongestInterval = 0.2;    // s, upper bound of that: slip lasts little longer
+constexpr double kStampSlack = 0.02;       // s: a late stamp makes the next difference look short, and the wheel fast
+constexpr double kJitters = 40.0;          // minimum interval in sigmas of its stamps: 3.5 % of the speed
+constexpr double kMaxAcceleration = 15.0;  // m/s^2, of a wheel on the ground
+constexpr double kFits = 4.0;              // sigmas by which two consecutive speeds may differ in addition
+constexpr double kLongestInterval = 0.2;   // s, upper bound of that: slip lasts little longer
 }  // namespace
 
 double wheel_sigma(const base::WheelsConfig& config, const WheelInterval& interval, double wheel_radius,
@@ -63,7 +63,7 @@ bool WheelOdometer::fits_first(const base::WheelSample& third) const {
   const WheelInterval after = between(last_, third);
   for (std::size_t i = 0; i < 2; ++i) {
     const double sigma = std::hypot(wheel_sigma(config_, before, radius_, i), wheel_sigma(config_, after, radius_, i));
-    if (std::abs(after.speed[i] - before.speed[i]) > kMostAcceleration * after.duration() + kFits * sigma) return false;
+    if (std::abs(after.speed[i] - before.speed[i]) > kMaxAcceleration * after.duration() + kFits * sigma) return false;
   }
   return true;
 }

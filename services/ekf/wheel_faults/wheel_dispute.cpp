@@ -14,7 +14,7 @@ constexpr int kMaxExtensions = 2;    // number of patiences to wait without a de
 constexpr double kTransition = 0.5;  // s, after which the difference has settled
 constexpr double kStroke = 0.8;      // share of the first difference that, within two intervals, means at once
 constexpr double kAtOnce = 0.6;  // share of the later difference that is a leap; that of wrong wheels grows with speed
-constexpr double kMostAstray = 2.0;  // upper bound of the position error, as a multiple of the distance
+constexpr double kMaxErrorRatio = 2.0;  // upper bound of the position error, as a multiple of the distance
 
 }  // namespace
 
@@ -98,7 +98,8 @@ WheelDispute::FilterError WheelDispute::filter_error(double distance) const {
   for (std::size_t i = 0; i < 2; ++i) {
     if (!trusted_[i]) continue;
     const WheelEvidence all = evidence(i);
-    const double share = std::min(std::abs(all.ratio() - 1.0) / std::max(std::abs(all.ratio()), kFrozen), kMostAstray);
+    const double share =
+        std::min(std::abs(all.ratio() - 1.0) / std::max(std::abs(all.ratio()), kFrozen), kMaxErrorRatio);
     out.speed = std::max({out.speed, pulled, all.filter_offset()});
     out.position = std::max(out.position, share * distance);
   }

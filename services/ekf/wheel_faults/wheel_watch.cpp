@@ -7,13 +7,13 @@ namespace curbstone::ekf::wheel_faults {
 
 namespace {
 
-constexpr double kForgiven = 0.5;    // s of refusal that a second without refusal cancels
-constexpr double kOneWrong = 0.05;   // share of the speed by which one wheel is wrong: a flat tyre causes less
-constexpr double kLeastSpeed = 0.3;  // m/s: agreement at a lower speed proves little
-constexpr double kSharp = 0.1;       // share to which the speed must be known: otherwise agreement proves little
-constexpr double kNear = 3.3;        // sigma, as in the chi-square gates
-constexpr double kFar = 5.0;         // sigma that reset an agreement
-constexpr double kMoving = 0.1;      // m/s
+constexpr double kForgiven = 0.5;        // s of refusal that a second without refusal cancels
+constexpr double kOneWrong = 0.05;       // share of the speed by which one wheel is wrong: a flat tyre causes less
+constexpr double kMinProvenSpeed = 0.3;  // m/s: agreement at a lower speed proves little
+constexpr double kSharp = 0.1;           // share to which the speed must be known: otherwise agreement proves little
+constexpr double kNear = 3.3;            // sigma, as in the chi-square gates
+constexpr double kFar = 5.0;             // sigma that reset an agreement
+constexpr double kMoving = 0.1;          // m/s
 
 }  // namespace
 
@@ -58,7 +58,7 @@ void WheelWatch::judge_trusted(Wheel& wheel, std::size_t i, const WheelLook& loo
 void WheelWatch::judge_faulty(Wheel& wheel, std::size_t i, const WheelLook& look) const {
   const double off = std::abs(look.difference(i));
   const double expected = std::abs(look.expected[i]);
-  const bool proves = expected > kLeastSpeed && look.sigma[i] < kSharp * expected;
+  const bool proves = expected > kMinProvenSpeed && look.sigma[i] < kSharp * expected;
   if (off > kFar * look.sigma[i] || (made_up_ && even_.even()))
     wheel.agreed_time = 0;
   else if (off <= kNear * look.sigma[i] && proves)

@@ -5,11 +5,11 @@
 namespace curbstone::localizer::search {
 namespace {
 
-constexpr std::size_t kLeastRevolutions = 10;  // of a local scan,
-constexpr double kLeastCollected = 3.0;        // m: structures hidden from one place are visible from another
-constexpr std::size_t kLeastPlaces = 20;       // of a plan, to tell one place from another
+constexpr std::size_t kMinRevolutions = 10;    // of a local scan,
+constexpr double kMinCollected = 3.0;          // m: structures hidden from one place are visible from another
+constexpr std::size_t kMinPlaces = 20;         // of a plan, to tell one place from another
 constexpr std::int64_t kLookups = 10'000'000;  // of a search in one revolution: some 10 ms
-constexpr double kMostDriven = 30.0;           // m with several hypotheses; then the map is searched again
+constexpr double kMaxDriven = 30.0;            // m with several hypotheses; then the map is searched again
 
 /// The belief for a candidate at the anchor, moved on by odometry since; on the map's ground, with roll and pitch from
 /// odometry.
@@ -42,7 +42,7 @@ std::optional<tracking::PoseBelief> Finder::look(const std::vector<Eigen::Vector
     case State::kDriving:
       hypotheses_.drive_on(points, motion, map);
       if (hypotheses_.one_holds()) return hypotheses_.alive().front().belief;
-      if (hypotheses_.alive().empty() || hypotheses_.driven() > kMostDriven) restart();
+      if (hypotheses_.alive().empty() || hypotheses_.driven() > kMaxDriven) restart();
       break;
   }
   return std::nullopt;
@@ -60,11 +60,11 @@ const Hypothesis* Finder::best() const {
 
 void Finder::collect(const std::vector<Eigen::Vector3d>& points, const Pose& T_odom_base, const fields::SavedMap& map) {
   scan_.add(points, T_odom_base);
-  const bool seen_enough = scan_.revolutions() >= kLeastRevolutions && scan_.driven() >= kLeastCollected;
-  if (!seen_enough && scan_.revolutions() < LocalScan::kMostRevolutions) return;
-  const auto plan = scan_.plan(T_odom_base, SearchRegion::kSight, MapSearch::kMostPlaces);
+  const bool seen_enough = scan_.revolutions() >= kMinRevolutions && scan_.driven() >= kMinCollected;
+  if (!seen_enough && scan_.revolutions() < LocalScan::kMaxRevolutions) return;
+  const auto plan = scan_.plan(T_odom_base, SearchRegion::kSight, MapSearch::kMaxPlaces);
   scan_.clear();
-  if (plan.size() < kLeastPlaces) return;
+  if (plan.size() < kMinPlaces) return;
   T_odom_anchor_ = T_odom_base;
   search_.emplace(plan, map);
   state_ = State::kSearching;

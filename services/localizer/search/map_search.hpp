@@ -21,10 +21,10 @@ struct Candidate {
 /// revolution. The result does not depend on the pieces' size. Deterministic; bounded; one thread.
 class MapSearch {
  public:
-  static constexpr std::size_t kMostPlaces = 140;  ///< of a plan
-  static constexpr std::size_t kMostCandidates = 12;
+  static constexpr std::size_t kMaxPlaces = 140;  ///< of a plan
+  static constexpr std::size_t kMaxCandidates = 12;
 
-  /// `plan`: m from the vehicle, x along it; within SearchRegion::kSight, at most kMostPlaces. The map must outlive
+  /// `plan`: m from the vehicle, x along it; within SearchRegion::kSight, at most kMaxPlaces. The map must outlive
   /// this object.
   MapSearch(const std::vector<Eigen::Vector2d>& plan, const fields::SavedMap& map);
 

@@ -27,7 +27,7 @@ void ColumnMeter::add(std::span<const tile::VotedPoints::Place> points) {
     const auto index = static_cast<std::size_t>(row * kCellsPerTile + column);
     Cell& at = cells_[index];
     CellColumn& cell = at.column;
-    if (cell.points == CellColumn::kMostPoints) continue;
+    if (cell.points == CellColumn::kMaxPoints) continue;
     unread_.set(index);
     ++cell.points;
     at.lowest = std::min(at.lowest, p.z);

@@ -37,10 +37,10 @@ struct ClassParameters {
   }
 };
 
-/// Statistics of the points of one 0.12 m cell, by height above the ground; if there are more than kMostPoints, of the
+/// Statistics of the points of one 0.12 m cell, by height above the ground; if there are more than kMaxPoints, of the
 /// first ones.
 struct CellColumn {
-  static constexpr int kMostPoints = 60'000;
+  static constexpr int kMaxPoints = 60'000;
   std::uint16_t points = 0;  ///< all points, including those neither on the ground nor in the way
   std::uint16_t ground_points = 0;
   float ground_z = 0;                 ///< m in map, mean of the ground points; without any: of the lowest point

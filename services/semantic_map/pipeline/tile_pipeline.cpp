@@ -12,8 +12,8 @@ namespace curbstone::semantic_map::pipeline {
 namespace {
 
 constexpr std::size_t kSettledAtOnce = 256;  // tiles, before their products are taken
-constexpr unsigned kMostThreads = 8;
-constexpr std::size_t kMostMeters = 512;  // 40 kB each; tiles in sight of the vehicle are fewer
+constexpr unsigned kMaxThreads = 8;
+constexpr std::size_t kMaxMeters = 512;  // 40 kB each; tiles in sight of the vehicle are fewer
 
 }  // namespace
 
@@ -219,7 +219,7 @@ void TilePipeline::refresh_columns(TileKey key, Tile& tile) {
 void TilePipeline::measure_columns(TileKey key, Tile& tile) {
   auto at = meters_.find(key);
   if (at == meters_.end()) {
-    if (meters_.size() >= kMostMeters) meters_.clear();
+    if (meters_.size() >= kMaxMeters) meters_.clear();
     const ground::GroundSurface ground(around<ground::GroundModel>(key, [](Tile& t) { return &t.ground; }));
     at = meters_.try_emplace(key, GroundedMeter{cells::ColumnMeter(ground, classes_)}).first;
   }
@@ -315,7 +315,7 @@ WorkResult TilePipeline::run(const TileWork& work) {
 
 /// Step by step: whatever a step makes stale is of a later one.
 WorkResult TilePipeline::settle(int threads) {
-  if (threads <= 0) threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, kMostThreads));
+  if (threads <= 0) threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, kMaxThreads));
   result_ = {};
   for (const Step step : kUrgentSteps) settle_step(step, threads);
   for (const Step step : kPatientSteps) settle_step(step, threads);

@@ -20,8 +20,8 @@ void Door::tick(const World& world, std::int64_t now) {
 
 void Door::serve(web::PageId id, Client& client, const World& world, std::int64_t now) {
   const std::size_t queued = clients_.queued(id);
-  if (queued > kMostQueued) return;
-  const bool takes_large = queued <= kMostForLarge && std::abs(now - client.large_sent) >= client.large_pause;
+  if (queued > kMaxQueued) return;
+  const bool takes_large = queued <= kMaxQueuedForLarge && std::abs(now - client.large_sent) >= client.large_pause;
   std::size_t bytes = 0;
   for (const Message& message : client.feed.due(world, now, takes_large)) {
     const std::uint32_t subscription = client.subscriptions.at(message.channel);
@@ -32,7 +32,7 @@ void Door::serve(web::PageId id, Client& client, const World& world, std::int64_
   }
   if (!takes_large || bytes == 0) return;
   client.large_sent = now;
-  client.large_pause = static_cast<std::int64_t>(bytes * 1'000'000 / kMostASecond);
+  client.large_pause = static_cast<std::int64_t>(bytes * 1'000'000 / kMaxPerSecond);
 }
 
 void Door::hear(const web::Audience::Event& event) {

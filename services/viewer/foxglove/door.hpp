@@ -12,15 +12,15 @@
 namespace curbstone::viewer::foxglove {
 
 /// The server side of the Foxglove protocol: advertises the channels to each client and sends what the client
-/// subscribed to, the present state first. Clients cannot command anything. Back-pressure: while kMostQueued bytes are
-/// queued for a client, no message is made for it; while kMostForLarge bytes are queued, or the client is above
-/// kMostASecond, no large message is made. One thread.
+/// subscribed to, the present state first. Clients cannot command anything. Back-pressure: while kMaxQueued bytes are
+/// queued for a client, no message is made for it; while kMaxQueuedForLarge bytes are queued, or the client is above
+/// kMaxPerSecond, no large message is made. One thread.
 class Door {
  public:
-  static constexpr std::size_t kMostQueued = 4'000'000;
-  static constexpr std::size_t kMostForLarge = 100'000;
+  static constexpr std::size_t kMaxQueued = 4'000'000;
+  static constexpr std::size_t kMaxQueuedForLarge = 100'000;
   /// Bytes per second and client, averaged. Without it, repeated subscriptions would keep the node busy encoding maps.
-  static constexpr std::size_t kMostASecond = 20'000'000;
+  static constexpr std::size_t kMaxPerSecond = 20'000'000;
 
   /// `clients` must outlive this. `session`: unique for each run of the process.
   Door(web::Audience& clients, std::string session) : clients_(clients), session_(std::move(session)) {}

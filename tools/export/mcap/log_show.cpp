@@ -9,7 +9,7 @@ namespace {
 using viewer::foxglove::Message;
 
 constexpr std::int64_t kTick = 20'000;                 // us, as live
-constexpr std::int64_t kMostLate = 10'000'000;         // a log of `replay` has its records in the order of computation
+constexpr std::int64_t kMaxLate = 10'000'000;          // a log of `replay` has its records in the order of computation
 constexpr std::int64_t kLast = 9'000'000'000'000'000;  // us; damaged records may have any time
 constexpr std::int64_t kEnd = 60'000'000;
 
@@ -27,7 +27,7 @@ LogShow::LogShow(const viewer::ViewerConfig& config)
 std::vector<Message> LogShow::take(const LogEvent& event) {
   std::vector<Message> messages;
   const std::int64_t utime = std::clamp<std::int64_t>(event.log_utime, 0, kLast);
-  const bool is_late = utime < now_ && utime > now_ - kMostLate;
+  const bool is_late = utime < now_ && utime > now_ - kMaxLate;
   if (!is_late) now_ = utime;
   if (now_ != ticked_ && (now_ < ticked_ || now_ >= ticked_ + kTick)) messages = tick(now_);
   bus_.inject(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()));

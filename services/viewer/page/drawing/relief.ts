@@ -12,8 +12,8 @@ import { netIndices, netPoints, Seen, squaresInView } from "./terrain";
 import { World } from "../world";
 
 const kReach = 6;             // times the eye's distance
-const kMostNets = 600;        // bound of the kept ones
-const kMostFaces = 16_383;    // per square, for 16 bit indices
+const kMaxNets = 600;         // bound of the kept ones
+const kMaxFaces = 16_383;     // per square, for 16 bit indices
 const kCoarseNet = 5;         // in haste, every fifth point of a mesh
 const kFineCell = 1, kCoarseCell = 0.5;  // pixels per cell from which boxes are drawn
 
@@ -134,7 +134,7 @@ export class Relief {
     for (let i = 0; i < aside * aside; ++i) {
       const tile = page.tiles[(row + (i >> level)) * kTilesAside + column + i % aside];
       const part = tile && this.blocks.facesOf(tile, coarse);
-      if (!part || part.length === 0 || size + part.length > kMostFaces * kFaceFloats) continue;
+      if (!part || part.length === 0 || size + part.length > kMaxFaces * kFaceFloats) continue;
       parts.push(part);
       size += part.length;
     }
@@ -161,8 +161,8 @@ export class Relief {
 
   /// When too much is kept, discards what was not drawn for the longest time.
   private forget(): void {
-    if (this.kept.size <= kMostNets) return;
-    const oldest = [...this.kept].sort((a, b) => a.used - b.used).slice(0, kMostNets / 4);
+    if (this.kept.size <= kMaxNets) return;
+    const oldest = [...this.kept].sort((a, b) => a.used - b.used).slice(0, kMaxNets / 4);
     for (const square of oldest) if (square.used < this.picture) this.drop(square);
   }
 
@@ -199,7 +199,7 @@ function byPage(seen: Seen[]): Map<Page, Seen[]> {
 }
 
 function faceIndices(): Uint16Array {
-  const indices = new Uint16Array(6 * kMostFaces);
-  for (let i = 0; i < kMostFaces; ++i) [0, 1, 2, 1, 3, 2].forEach((corner, n) => { indices[6 * i + n] = 4 * i + corner; });
+  const indices = new Uint16Array(6 * kMaxFaces);
+  for (let i = 0; i < kMaxFaces; ++i) [0, 1, 2, 1, 3, 2].forEach((corner, n) => { indices[6 * i + n] = 4 * i + corner; });
   return indices;
 }

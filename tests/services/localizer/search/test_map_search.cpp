@@ -18,7 +18,7 @@ using test_yard::Yard;
 std::vector<Eigen::Vector2d> plan_from(const Yard& yard, const Pose& T_map_base) {
   LocalScan scan;
   scan.add(points_in(yard, T_map_base), Pose::Identity());
-  return scan.plan(Pose::Identity(), SearchRegion::kSight, MapSearch::kMostPlaces);
+  return scan.plan(Pose::Identity(), SearchRegion::kSight, MapSearch::kMaxPlaces);
 }
 
 std::vector<Candidate> candidates_of(MapSearch& search, std::int64_t piece) {

@@ -200,10 +200,10 @@ TEST_F(DoorTest, SendsCurbsAsAWholeOnceAndThenTheNewOnes) {
 TEST_F(DoorTest, SendsNothingLargeToAClientThatIsSlowAndNothingAtAllToOneThatStopped) {
   subscribe(1, kMapWindow);
   subscribe(2, kPose);
-  audience_.waiting = Door::kMostForLarge + 1;
+  audience_.waiting = Door::kMaxQueuedForLarge + 1;
   tick(1);
   EXPECT_THAT(served(), ElementsAre(2));
-  audience_.waiting = Door::kMostQueued + 1;
+  audience_.waiting = Door::kMaxQueued + 1;
   pose_->utime = 6;
   tick(2);
   EXPECT_TRUE(served().empty());
@@ -221,8 +221,8 @@ TEST_F(DoorTest, SendsNoMoreThanSoMuchASecondToAClientThatSubscribesAgainAndAgai
     for (const auto& [page, frame] : audience_.sent) bytes += frame->size();
     audience_.sent.clear();
   }
-  EXPECT_LE(bytes, 11 * Door::kMostASecond);
-  EXPECT_GT(bytes, 5 * Door::kMostASecond);
+  EXPECT_LE(bytes, 11 * Door::kMaxPerSecond);
+  EXPECT_GT(bytes, 5 * Door::kMaxPerSecond);
 }
 
 TEST_F(DoorTest, StopsWhenToldTo) {
