@@ -22,8 +22,8 @@ struct MissingMessages {
 class ResendClient {
  public:
   static constexpr int kPatience = 3;
-  static constexpr std::int64_t kAskAgain = 200'000;       ///< us without an answer
-  static constexpr std::int64_t kDeafFor = 60'000'000;     ///< us of message time
+  static constexpr std::int64_t kRetryAfter = 200'000;     ///< us without an answer
+  static constexpr std::int64_t kBackOff = 60'000'000;     ///< us of message time
   static constexpr std::int64_t kMaxMissing = 10'000'000;  ///< us: no sender keeps more than this
 
   ResendClient(Publisher& bus, std::string requester, std::string channel)
@@ -49,7 +49,7 @@ class ResendClient {
     gave_up_at_ = utime;
   }
   [[nodiscard]] bool is_deaf(std::int64_t utime) const {
-    return unanswered_ >= kPatience && utime >= gave_up_at_ && utime - gave_up_at_ < kDeafFor;
+    return unanswered_ >= kPatience && utime >= gave_up_at_ && utime - gave_up_at_ < kBackOff;
   }
 
  private:

@@ -6,7 +6,7 @@
 
 #include "common/time/clock.hpp"
 #include "common/time/replay_pace.hpp"
-#include "common/time/retry_pause.hpp"
+#include "common/time/retry_backoff.hpp"
 #include "drivers/lidar/driver_capture.hpp"
 #include "drivers/lidar/sources/one_sender.hpp"
 
@@ -73,7 +73,7 @@ class NetworkFeed final : public PacketFeed {
   sources::OneSender sender_;
   bool open_ = false;
   bool tried_ = false;
-  RetryPause retry_;
+  RetryBackoff retry_;
 };
 
 /// Counts packets of a capture that did not reach the node.

@@ -9,7 +9,7 @@
 
 #include "common/bus/node.hpp"
 #include "common/shell/event_loop.hpp"
-#include "common/time/retry_pause.hpp"
+#include "common/time/retry_backoff.hpp"
 #include "drivers/serial/send_queue.hpp"
 #include "drivers/serial/serial_port.hpp"
 
@@ -56,7 +56,7 @@ class SerialLink {
   EventLoop* loop_ = nullptr;
   Handlers handlers_;
   SendQueue queue_;
-  RetryPause retry_;
+  RetryBackoff retry_;
   Counters counters_;
   std::array<std::uint8_t, 4096> buffer_{};
 };

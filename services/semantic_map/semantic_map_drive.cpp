@@ -39,7 +39,7 @@ void SemanticMapNode::take(const map_pose_t& message) {
   const Pose T_map_base = pose_from_arrays(message.map_base_position, message.map_base_orientation);
   vehicle_ = T_map_base.translation().head<2>();
   const bool is_guess = (message.flags & map_pose_t::LOST) != 0;
-  pause_.hear(message.utime, is_guess);
+  lost_timer_.on_pose(message.utime, is_guess);
   if (is_guess) return;  // it is no part of the drive
   if (path_.empty() || (path_.last() - vehicle_).norm() > kPathSpacing) add_to_path(message.utime, vehicle_);
   keeper_.put(tile::TrajectoryPose{message.utime, message.revolution, T_map_base});
@@ -105,9 +105,9 @@ void SemanticMapNode::settle() {
   for (const TileKey& key : std::exchange(unsent_, {})) publish_tile(pipeline_.classes(key), newest_utime_);
 }
 
-/// The map is stored as it would be at the end of the drive: see LostPause.
+/// The map is stored as it would be at the end of the drive: see LostTimer.
 void SemanticMapNode::settle_while_lost() {
-  if (!pause_.take() || pipeline_.num_stale() > kSteppedAtOnce) return;
+  if (!lost_timer_.take() || pipeline_.num_stale() > kSteppedAtOnce) return;
   settle();
   lines_unstored_ = true;
   last_lines_stored_ = 0;

@@ -69,7 +69,7 @@ void SemanticMapNode::connect(Subscriber& bus) {
 }
 
 bool SemanticMapNode::follow_epoch(std::int32_t epoch, EpochFollower::Source source) {
-  switch (epochs_.hear(epoch, source, now_)) {
+  switch (epochs_.observe(epoch, source, now_)) {
     case EpochFollower::Verdict::kPresent:
       return true;
     case EpochFollower::Verdict::kEntered:
@@ -88,7 +88,7 @@ void SemanticMapNode::enter_epoch(std::int32_t epoch) {
   epoch_ = epoch;
   drive_started_ = false;
   last_pose_utime_ = 0;
-  pause_.clear();
+  lost_timer_.clear();
   assembler_.clear();
   pipeline_.clear();
   schedule_.clear();

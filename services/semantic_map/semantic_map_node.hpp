@@ -17,7 +17,7 @@
 #include "common/shell/latency.hpp"
 #include "common/tile_sync/drive_follower.hpp"
 #include "common/tile_sync/epoch_follower.hpp"
-#include "common/tile_sync/lost_pause.hpp"
+#include "common/tile_sync/lost_timer.hpp"
 #include "common/tile_sync/tile_sync.hpp"
 #include "services/semantic_map/held_drive.hpp"
 #include "services/semantic_map/map_lines.hpp"
@@ -120,7 +120,7 @@ class SemanticMapNode final : public Node {
   bool has_epoch_ = false;
   bool drive_started_ = false;
   std::int64_t last_pose_utime_ = 0;
-  LostPause pause_{LostPause::kSemanticMap};
+  LostTimer lost_timer_{LostTimer::kSemanticMap};
   std::int64_t newest_utime_ = 0;  // of any input
   Eigen::Vector2d vehicle_ = Eigen::Vector2d::Zero();
   tile::DrivenPath path_;

@@ -69,7 +69,7 @@ void ViewerNode::watch_scan() {
 
 bool ViewerNode::follow_epoch(std::int32_t epoch, EpochFollower::Source source) {
   heard();
-  const EpochFollower::Verdict verdict = epochs_.hear(epoch, source, now_);
+  const EpochFollower::Verdict verdict = epochs_.observe(epoch, source, now_);
   if (verdict == EpochFollower::Verdict::kEntered) enter_epoch(epoch);
   if (verdict == EpochFollower::Verdict::kEntered || verdict == EpochFollower::Verdict::kPresent) return true;
   counters_.add("dropped.other_epoch");

@@ -26,7 +26,7 @@ void FileLink::feed() {
   const std::int64_t now = steady_clock();
   for (int i = 0; i < kMaxAtOnce && next_; ++i) {
     if (!pace_.due(next_->utime, now)) return;
-    hand_over(*next_);
+    deliver(*next_);
     const std::int64_t utime = next_->utime;
     next_ = file_.next();
     for (; refused_ < file_.counters()["refused.trace_line"]; ++refused_)
@@ -35,7 +35,7 @@ void FileLink::feed() {
   if (!next_) loop_->stop();
 }
 
-void FileLink::hand_over(const TraceFile::Frame& frame) {
+void FileLink::deliver(const TraceFile::Frame& frame) {
   if (time_.take(frame.utime)) return handlers_.on_frame(frame.utime, frame.frame);
   counters_.add("refused.trace_time");
   handlers_.on_refused(frame.utime, "refused.trace_time");

@@ -12,7 +12,7 @@
 #include <variant>
 #include <vector>
 
-#include "common/tiles/use_order.hpp"
+#include "common/tiles/lru_order.hpp"
 #include "services/semantic_map/cells/cell_classes.hpp"
 #include "services/semantic_map/curbs/curb_evidence.hpp"
 #include "services/semantic_map/curbs/curb_filter.hpp"
@@ -156,8 +156,8 @@ class TilePipeline {
   };
   std::unordered_map<TileKey, GroundedMeter, TileKeyHash> meters_;
   cells::VehicleMemo vehicles_;    ///< of the tiles that are computed one by one
-  UseOrder uses_;                  ///< of the tiles that are awake, by num_voted_
-  UseOrder visits_;                ///< likewise, of those that only old steps have woken
+  LruOrder uses_;                  ///< of the tiles that are awake, by num_voted_
+  LruOrder visits_;                ///< likewise, of those that only old steps have woken
   bool does_old_step_ = false;     ///< the work in hand
   std::int64_t num_voted_ = 0;     ///< voted steps that have come
   std::vector<TileKey> awakened_;  ///< by the work in hand

@@ -9,8 +9,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "common/tiles/lru_order.hpp"
 #include "common/tiles/tile.hpp"
-#include "common/tiles/use_order.hpp"
 #include "services/tensor_voting/kernels/tensor.hpp"
 #include "services/tensor_voting/kernels/vote_kernel.hpp"
 #include "services/tensor_voting/voting/field_grid.hpp"
@@ -113,7 +113,7 @@ class VotingField {
   kernels::VoteKernel kernel_;
   kernels::Decay decay_;
   std::unordered_map<TileKey, std::unique_ptr<VoterTile>, TileKeyHash> tiles_;
-  mutable UseOrder uses_;  // of the tiles that are awake, by change_ / kUsesAtOnce
+  mutable LruOrder uses_;  // of the tiles that are awake, by change_ / kUsesAtOnce
   std::set<TileKey> changed_;
   std::int64_t num_pairs_ = 0;
   std::int64_t change_ = 0;

@@ -14,7 +14,7 @@
 #include "common/bus/node.hpp"
 #include "common/shell/latency.hpp"
 #include "common/tile_sync/epoch_follower.hpp"
-#include "common/tile_sync/lost_pause.hpp"
+#include "common/tile_sync/lost_timer.hpp"
 #include "common/tile_sync/tile_sync.hpp"
 #include "services/tensor_voting/worker/publish_schedule.hpp"
 #include "services/tensor_voting/worker/rendezvous_owners.hpp"
@@ -99,7 +99,7 @@ class TensorVotingNode final : public Node {
   std::int64_t chain_ = 0;
 
   EpochFollower epochs_;
-  LostPause pause_{LostPause::kVoters};
+  LostTimer lost_timer_{LostTimer::kVoters};
   std::int32_t epoch_ = 0;  // the present epoch, once there is one
   double x_ = 0;            // position of the vehicle, m in map
   double y_ = 0;

@@ -11,7 +11,7 @@ namespace curbstone {
 
 /// Tiles in the order of their last use. Times in any unit, as long as they grow; of several uses at the same time only
 /// the first counts.
-class UseOrder {
+class LruOrder {
  public:
   void used(TileKey key, std::int64_t now) {
     Turn& turn = turns_[key];

@@ -9,13 +9,13 @@ namespace curbstone {
 
 /// Detects a second process with the same name on the bus, for example one started by hand, or the same one on two
 /// hosts. Their messages mix, and no listener can tell them apart. Pure.
-class Namesake {
+class DuplicateProcess {
  public:
   static constexpr std::int64_t kRecent = 3'000'000;  ///< us: statuses come each second
 
   /// Takes any status on the bus. `now`: us on the host's clock. `own`: the status of this process. A status whose
   /// stamp is more than kRecent from `now`, as from a log, is ignored.
-  void hear(const service_status_t& message, const service_status_t& own, std::int64_t now) {
+  void on_status(const service_status_t& message, const service_status_t& own, std::int64_t now) {
     if (message.service != own.service || (message.pid == own.pid && message.host == own.host)) return;
     if (message.utime > now + kRecent || now - message.utime > kRecent) return;
     const bool again = pid_ == message.pid && host_ == message.host;

@@ -8,7 +8,7 @@ namespace curbstone {
 /// Back-off for a device that is missing: the first retry after 0.1 s, then twice as long after each failure, up to 0.5
 /// s. The maximum is short because a failed open() costs nothing and a starting vehicle waits for its devices. Times in
 /// us of the steady clock, which the caller reads.
-class RetryPause {
+class RetryBackoff {
  public:
   static constexpr std::int64_t kFirst = 100'000;
   static constexpr std::int64_t kLast = 500'000;

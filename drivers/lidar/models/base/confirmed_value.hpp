@@ -7,7 +7,7 @@ namespace curbstone::lidar::models {
 /// A value that two consecutive packets agree on. A device information that differs from the previous one means that
 /// the device was reconfigured, or that the packet is damaged (it has no checksum): the next one decides.
 template <class Value>
-class Agreed {
+class ConfirmedValue {
  public:
   /// Returns whether the agreed value has changed.
   bool offer(const Value& value) {

@@ -1,12 +1,12 @@
-#include "common/tiles/use_order.hpp"
+#include "common/tiles/lru_order.hpp"
 
 #include <gtest/gtest.h>
 
 namespace curbstone {
 namespace {
 
-TEST(UseOrder, GivesTheTilesThatWereNotUsedSinceTheOldestFirst) {
-  UseOrder order;
+TEST(LruOrder, GivesTheTilesThatWereNotUsedSinceTheOldestFirst) {
+  LruOrder order;
   order.used({1, 0}, 10);
   order.used({2, 0}, 20);
   order.used({3, 0}, 30);
@@ -19,8 +19,8 @@ TEST(UseOrder, GivesTheTilesThatWereNotUsedSinceTheOldestFirst) {
   EXPECT_EQ(order.take_unused(41), std::nullopt);
 }
 
-TEST(UseOrder, KnowsNothingOfATileThatWasErased) {
-  UseOrder order;
+TEST(LruOrder, KnowsNothingOfATileThatWasErased) {
+  LruOrder order;
   order.used({1, 0}, 10);
   order.used({2, 0}, 10);
   order.erase({1, 0});

@@ -7,7 +7,7 @@ namespace curbstone {
 /// A lost vehicle maps nothing, and the mapper may begin a new drive with another map. Therefore each stage then
 /// computes and publishes what it would otherwise leave to the end of the drive, unless that is too much. A value,
 /// pure.
-class LostPause {
+class LostTimer {
  public:
   // us of being lost, in the order of the stages; the mapper begins a new drive after 12 s at the earliest.
   static constexpr std::int64_t kMapper = 6'000'000;
@@ -15,10 +15,10 @@ class LostPause {
   static constexpr std::int64_t kSemanticMap = 10'000'000;
 
   /// `after`: one of these.
-  explicit LostPause(std::int64_t after) : after_(after) {}
+  explicit LostTimer(std::int64_t after) : after_(after) {}
 
   /// Takes a MAP_POSE: its time, us, and whether it is LOST.
-  void hear(std::int64_t utime, bool is_lost) {
+  void on_pose(std::int64_t utime, bool is_lost) {
     if (!is_lost) return clear();
     if (since_ == 0) since_ = utime;
     newest_ = utime;

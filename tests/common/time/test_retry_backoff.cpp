@@ -1,16 +1,16 @@
-#include "common/time/retry_pause.hpp"
+#include "common/time/retry_backoff.hpp"
 
 #include <gtest/gtest.h>
 
 namespace curbstone {
 namespace {
 
-TEST(RetryPause, IsDueAtOnceBeforeAnythingFailed) {
-  EXPECT_TRUE(RetryPause().due(0));
+TEST(RetryBackoff, IsDueAtOnceBeforeAnythingFailed) {
+  EXPECT_TRUE(RetryBackoff().due(0));
 }
 
-TEST(RetryPause, DoublesUpToHalfASecondAndBeginsAnewAfterALoss) {
-  RetryPause pause;
+TEST(RetryBackoff, DoublesUpToHalfASecondAndBeginsAnewAfterALoss) {
+  RetryBackoff pause;
   std::int64_t now = 1'000'000;
   for (const std::int64_t wait : {100'000, 200'000, 400'000, 500'000, 500'000}) {
     pause.failed(now);
@@ -19,8 +19,8 @@ TEST(RetryPause, DoublesUpToHalfASecondAndBeginsAnewAfterALoss) {
     now += wait;
   }
   pause.lost(now);
-  EXPECT_FALSE(pause.due(now + RetryPause::kFirst - 1));
-  EXPECT_TRUE(pause.due(now + RetryPause::kFirst));
+  EXPECT_FALSE(pause.due(now + RetryBackoff::kFirst - 1));
+  EXPECT_TRUE(pause.due(now + RetryBackoff::kFirst));
 }
 
 }  // namespace
