@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "services/ekf/filter/doubt.hpp"
+#include "services/ekf/filter/covariance_inflation.hpp"
 
 namespace curbstone::ekf::filter {
 

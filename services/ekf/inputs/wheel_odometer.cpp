@@ -51,7 +51,7 @@ WheelOdometer::Step WheelOdometer::add(const base::WheelSample& sample) {
   if (samples_ < kChecked && ++samples_ == kChecked && !fits_first(sample)) begin_ = last_;
   newest_ = between(last_, sample);
   last_ = sample;
-  if (base::seconds_between(begin_->utime, sample.utime) < least_duration()) return Step::kOpen;
+  if (base::seconds_between(begin_->utime, sample.utime) < min_duration()) return Step::kOpen;
   interval_ = between(*begin_, sample);
   begin_ = sample;
   return Step::kInterval;
@@ -68,7 +68,7 @@ bool WheelOdometer::fits_first(const base::WheelSample& third) const {
   return true;
 }
 
-double WheelOdometer::least_duration() const {
+double WheelOdometer::min_duration() const {
   return std::max(config_.interval, std::min(kJitters * jitter_.sigma(), kLongestInterval));
 }
 

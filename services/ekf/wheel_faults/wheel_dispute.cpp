@@ -18,21 +18,22 @@ constexpr double kMaxErrorRatio = 2.0;  // upper bound of the position error, as
 
 }  // namespace
 
-void WheelDispute::add(const WheelLook& look, const std::array<bool, 2>& trusted) {
+void WheelDispute::add(const WheelObservation& observation, const std::array<bool, 2>& trusted) {
   trusted_ = trusted;
-  end_ = look.end;
-  const double since = base::seconds_between(begin_, look.end);
+  end_ = observation.end;
+  const double since = base::seconds_between(begin_, observation.end);
   double difference = 0.0;
   double expected = 0.0;
   int wheels = 0;
   for (std::size_t i = 0; i < 2; ++i) {
     if (!trusted[i]) continue;
     if (since > kTransition) {
-      segments_[i][segment_at(since)].add({look.difference(i), look.expected[i], settings_.track_width * look.yaw_rate,
-                                           since + kBefore, look.seconds()});
+      segments_[i][segment_at(since)].add({observation.difference(i), observation.expected[i],
+                                           settings_.track_width * observation.yaw_rate, since + kBefore,
+                                           observation.seconds()});
     }
-    difference += look.difference(i);
-    expected += look.expected[i];
+    difference += observation.difference(i);
+    expected += observation.expected[i];
     ++wheels;
   }
   if (!first_difference_) first_difference_ = difference / wheels;

@@ -1,4 +1,4 @@
-#include "services/ekf/inputs/stamp_straightener.hpp"
+#include "services/ekf/inputs/stamp_smoother.hpp"
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ struct Taken {
   std::int32_t sequence = 0;
 };
 
-class StampStraightenerTest : public ::testing::Test {
+class StampSmootherTest : public ::testing::Test {
  protected:
   /// Samples each `interval` us, stamped late by what a busy host makes of it: up to 20 ms, 50 ms for one of 30.
   void sample(int count, std::int64_t interval, bool late) {
@@ -39,7 +39,7 @@ class StampStraightenerTest : public ::testing::Test {
     std::erase_if(samples_, [&](const Taken&) { return std::uniform_real_distribution<>(0, 1)(random_) < share; });
   }
   void run() {
-    StampStraightener straightener;
+    StampSmoother straightener;
     for (const Taken& s : samples_) out_.push_back(straightener.add(s.stamp, s.sequence));
   }
   void expect_unchanged() {
@@ -71,7 +71,7 @@ class StampStraightenerTest : public ::testing::Test {
   std::mt19937 random_{1};
 };
 
-TEST_F(StampStraightenerTest, RegularStampsAreKeptBitForBit) {
+TEST_F(StampSmootherTest, RegularStampsAreKeptBitForBit) {
   sample(2000, 10'000, false);
   for (Taken& s : samples_) s.stamp += std::uniform_int_distribution<>(-300, 300)(random_);
   lose(0.02);
@@ -86,7 +86,7 @@ TEST_F(StampStraightenerTest, RegularStampsAreKeptBitForBit) {
   expect_unchanged();
 }
 
-TEST_F(StampStraightenerTest, RegularStampsAreKeptThoughLossesDoNotShow) {
+TEST_F(StampSmootherTest, RegularStampsAreKeptThoughLossesDoNotShow) {
   sample(4000, 10'000, false);
   lose(0.02);
   for (Taken& s : samples_) s.sequence = 0;
@@ -94,13 +94,13 @@ TEST_F(StampStraightenerTest, RegularStampsAreKeptThoughLossesDoNotShow) {
   expect_unchanged();
 }
 
-TEST_F(StampStraightenerTest, UnevenSamplingIsKept) {
+TEST_F(StampSmootherTest, UnevenSamplingIsKept) {
   for (int i = 0; i < 4000; ++i) sample(1, std::uniform_int_distribution<>(6'000, 14'000)(random_), false);
   run();
   expect_unchanged();
 }
 
-TEST_F(StampStraightenerTest, LateStampsBecomeEven) {
+TEST_F(StampSmootherTest, LateStampsBecomeEven) {
   for (const std::int64_t interval : {10'000, 5'000}) {
     samples_.clear();
     out_.clear();
@@ -111,7 +111,7 @@ TEST_F(StampStraightenerTest, LateStampsBecomeEven) {
   }
 }
 
-TEST_F(StampStraightenerTest, LostSamplesShowInTheSequence) {
+TEST_F(StampSmootherTest, LostSamplesShowInTheSequence) {
   sample(6000, 10'000, true);
   lose(0.05);
   run();
@@ -119,7 +119,7 @@ TEST_F(StampStraightenerTest, LostSamplesShowInTheSequence) {
   expect_straight(1000, samples_.size());
 }
 
-TEST_F(StampStraightenerTest, ALossThatDoesNotShowPutsThemEarlyByItAndNoMoreForSeconds) {
+TEST_F(StampSmootherTest, ALossThatDoesNotShowPutsThemEarlyByItAndNoMoreForSeconds) {
   sample(3000, 10'000, true);
   samples_.erase(samples_.begin() + 1500);
   for (Taken& s : samples_) s.sequence = 0;
@@ -129,7 +129,7 @@ TEST_F(StampStraightenerTest, ALossThatDoesNotShowPutsThemEarlyByItAndNoMoreForS
   expect_straight(2300, samples_.size());
 }
 
-TEST_F(StampStraightenerTest, AnotherRateIsLearntAnew) {
+TEST_F(StampSmootherTest, AnotherRateIsLearntAnew) {
   sample(2000, 10'000, true);
   sample(3000, 5'000, true);
   sample(3000, 10'000, true);
@@ -140,7 +140,7 @@ TEST_F(StampStraightenerTest, AnotherRateIsLearntAnew) {
   expect_straight(6500, 8000);
 }
 
-TEST_F(StampStraightenerTest, AClockThatIsSetAndAPauseAreFollowed) {
+TEST_F(StampSmootherTest, AClockThatIsSetAndAPauseAreFollowed) {
   for (const std::int64_t step : {-30'000'000, -200'000, 200'000, 5'000'000}) {
     samples_.clear();
     out_.clear();
@@ -154,12 +154,12 @@ TEST_F(StampStraightenerTest, AClockThatIsSetAndAPauseAreFollowed) {
   }
 }
 
-TEST_F(StampStraightenerTest, ADoubleIsADoubleAndOneWildStampChangesNothing) {
+TEST_F(StampSmootherTest, ADoubleIsADoubleAndOneWildStampChangesNothing) {
   sample(2000, 10'000, true);
   const auto good = samples_;
   run();
   const auto undisturbed = out_;
-  StampStraightener straightener;
+  StampSmoother straightener;
   for (std::size_t i = 0; i < good.size(); ++i) {
     const std::int64_t out = straightener.add(good[i].stamp, good[i].sequence);
     ASSERT_EQ(out, undisturbed[i]);
@@ -170,11 +170,11 @@ TEST_F(StampStraightenerTest, ADoubleIsADoubleAndOneWildStampChangesNothing) {
   }
 }
 
-TEST_F(StampStraightenerTest, RecordedStampsAreKeptBitForBit) {
+TEST_F(StampSmootherTest, RecordedStampsAreKeptBitForBit) {
   for (const std::string& name : real_drive_names()) {
     const auto real = real_drive(name);
     if (!real) GTEST_SKIP() << "../shared/data is not there";
-    StampStraightener straightener;
+    StampSmoother straightener;
     for (const base::ImuSample& s : real->drive.imu) ASSERT_EQ(straightener.add(s.utime, 0), s.utime) << name;
   }
 }

@@ -1,4 +1,4 @@
-#include "services/ekf/inputs/stamp_straightener.hpp"
+#include "services/ekf/inputs/stamp_smoother.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +23,7 @@ constexpr std::size_t kNear = 8, kFar = 64;  // samples
 
 }  // namespace
 
-std::int64_t StampStraightener::add(std::int64_t stamp, std::int32_t sequence) {
+std::int64_t StampSmoother::add(std::int64_t stamp, std::int32_t sequence) {
   const std::int64_t step = stamp - last_stamp_;
   if (!points_.empty() && std::abs(step) > kJump && ++outliers_ < kConfirmations) return stamp;
   const std::int64_t ahead = std::int64_t{sequence} - sequence_;
@@ -42,7 +42,7 @@ std::int64_t StampStraightener::add(std::int64_t stamp, std::int32_t sequence) {
   if (points_.size() > kMemory) points_.pop_front();
   if (points_.size() >= kEnough && number - learnt_at_ >= kEach) learn();
   if (!active_) return last_out_ = stamp;
-  const double late = height(points_.back()) - least_height(kRecent);
+  const double late = height(points_.back()) - min_height(kRecent);
   if (late > kMaxLate) {
     restart();
     return last_out_ = stamp;
@@ -52,29 +52,29 @@ std::int64_t StampStraightener::add(std::int64_t stamp, std::int32_t sequence) {
   return last_out_ = std::min(stamp, std::max<std::int64_t>(straight, least));
 }
 
-void StampStraightener::restart() {
+void StampSmoother::restart() {
   points_.clear();
   learnt_at_ = 0;
   period_ = 0.0;
   active_ = false;
 }
 
-void StampStraightener::learn() {
+void StampSmoother::learn() {
   learnt_at_ = points_.back().number;
   const double now = slope();
   period_ = active_ ? period_ + kSmoothing * (now - period_) : now;
-  const double least = least_height(points_.size());
+  const double least = min_height(points_.size());
   double mean = 0.0;
   for (const Point& point : points_) mean += (height(point) - least) / static_cast<double>(points_.size());
   active_ = mean > (active_ ? kStop * kJitter : kJitter) && mean < kMaxLate && stays_near();
 }
 
-double StampStraightener::height(const Point& point) const {
+double StampSmoother::height(const Point& point) const {
   const Point& first = points_.front();
   return static_cast<double>(point.stamp - first.stamp) - period_ * static_cast<double>(point.number - first.number);
 }
 
-double StampStraightener::least_height(std::size_t samples) const {
+double StampSmoother::min_height(std::size_t samples) const {
   double least = INFINITY;
   for (std::size_t i = points_.size() - std::min(samples, points_.size()); i < points_.size(); ++i)
     least = std::min(least, height(points_[i]));
@@ -82,7 +82,7 @@ double StampStraightener::least_height(std::size_t samples) const {
 }
 
 /// Slope of the lower convex hull's edge that spans the middle: of all lines below the points it is the nearest.
-double StampStraightener::slope() const {
+double StampSmoother::slope() const {
   std::vector<const Point*> hull;
   const auto turns_down = [](const Point& a, const Point& b, const Point& c) {
     return static_cast<double>(b.stamp - a.stamp) * static_cast<double>(c.number - a.number) >=
@@ -100,7 +100,7 @@ double StampStraightener::slope() const {
 }
 
 /// Whether the stamps stay near the line. Jitter returns to the line at once; a drift increases with the lag.
-bool StampStraightener::stays_near() const {
+bool StampSmoother::stays_near() const {
   const auto change = [&](std::size_t lag) {
     double sum = 0.0;
     for (std::size_t i = lag; i < points_.size(); ++i) sum += std::abs(height(points_[i]) - height(points_[i - lag]));

@@ -1,4 +1,4 @@
-#include "services/ekf/inputs/old_counts.hpp"
+#include "services/ekf/inputs/stale_counts.hpp"
 
 #include <gtest/gtest.h>
 
@@ -30,9 +30,9 @@ std::vector<base::WheelSample> counted(double seconds, const std::function<doubl
 }
 
 std::size_t count_old(const std::vector<base::WheelSample>& samples, std::size_t from = 0) {
-  OldCounts old_counts;
+  StaleCounts stale_counts;
   std::size_t old = 0;
-  for (std::size_t i = 0; i < samples.size(); ++i) old += old_counts.is_stale(samples[i]) && i >= from ? 1U : 0U;
+  for (std::size_t i = 0; i < samples.size(); ++i) old += stale_counts.is_stale(samples[i]) && i >= from ? 1U : 0U;
   return old;
 }
 
@@ -41,7 +41,7 @@ double sets_off_and_stops(double t) {
   return std::min(up, std::clamp(20.0 * (8.0 - t), 0.0, 17.0));
 }
 
-TEST(OldCounts, AreNoneWhereEachSampleIsNew) {
+TEST(StaleCounts, AreNoneWhereEachSampleIsNew) {
   EXPECT_EQ(count_old(counted(12, sets_off_and_stops, 1)), 0U);
   EXPECT_EQ(count_old(counted(
                 12, [](double t) { return 0.8 * std::sin(t); }, 1)),
@@ -56,7 +56,7 @@ TEST(OldCounts, AreNoneWhereEachSampleIsNew) {
             0U);
 }
 
-TEST(OldCounts, AreFoundAtAnySpeedOnceTheirPeriodHasShown) {
+TEST(StaleCounts, AreFoundAtAnySpeedOnceTheirPeriodHasShown) {
   for (const double speed : {1.0, 3.0, 17.0, -9.0}) {
     for (const int every : {2, 5, 10, 30}) {
       const auto all = counted(
@@ -69,13 +69,13 @@ TEST(OldCounts, AreFoundAtAnySpeedOnceTheirPeriodHasShown) {
   }
 }
 
-TEST(OldCounts, OfWheelsThatAreRenewedByTurnsBothAreNewInEachSampleThatIsUsed) {
-  OldCounts old_counts;
+TEST(StaleCounts, OfWheelsThatAreRenewedByTurnsBothAreNewInEachSampleThatIsUsed) {
+  StaleCounts stale_counts;
   std::optional<base::WheelSample> before;
   int used = 0;
   for (const base::WheelSample& sample : counted(
            6, [](double) { return 10.0; }, 10, 5)) {
-    if (old_counts.is_stale(sample)) continue;
+    if (stale_counts.is_stale(sample)) continue;
     if (before && sample.utime > 2'000'000) {
       ++used;
       for (std::size_t i = 0; i < 2; ++i) {
@@ -88,14 +88,14 @@ TEST(OldCounts, OfWheelsThatAreRenewedByTurnsBothAreNewInEachSampleThatIsUsed) {
   EXPECT_GE(used, 48);
 }
 
-TEST(OldCounts, AStopIsSeenAfterAPeriodWithoutAChange) {
-  OldCounts old_counts;
+TEST(StaleCounts, AStopIsSeenAfterAPeriodWithoutAChange) {
+  StaleCounts stale_counts;
   std::int64_t believed = 0;  // us, when it first seems to stand
   std::int64_t stopped = 0;
   std::array<double, 2> angle = {};
   for (const base::WheelSample& sample : counted(12, sets_off_and_stops, 10)) {
     if (sample.angle != angle) stopped = sample.utime;
-    const bool old = old_counts.is_stale(sample);
+    const bool old = stale_counts.is_stale(sample);
     if (!old && sample.angle == angle && sample.utime > 8'000'000 && believed == 0) believed = sample.utime;
     angle = sample.angle;
   }
@@ -103,32 +103,32 @@ TEST(OldCounts, AStopIsSeenAfterAPeriodWithoutAChange) {
   EXPECT_LE(believed, stopped + 150'000);
 }
 
-TEST(OldCounts, AWheelThatIsBrokenHoldsBackNothingForLong) {
-  OldCounts old_counts;
+TEST(StaleCounts, AWheelThatIsBrokenHoldsBackNothingForLong) {
+  StaleCounts stale_counts;
   int used = 0;
   for (base::WheelSample& sample : counted(
            6, [](double) { return 17.0; }, 1)) {
     if (sample.utime > 3'000'000) sample.angle[0] = 5.0;
-    if (!old_counts.is_stale(sample) && sample.utime > 3'400'000) ++used;
+    if (!stale_counts.is_stale(sample) && sample.utime > 3'400'000) ++used;
   }
   EXPECT_EQ(used, 359);
 }
 
-TEST(OldCounts, ACoarseCounterLosesNoTravel) {
-  OldCounts old_counts;
+TEST(StaleCounts, ACoarseCounterLosesNoTravel) {
+  StaleCounts stale_counts;
   base::WheelSample last;
   for (const base::WheelSample& sample : counted(12, sets_off_and_stops, 1, 0, 2 * M_PI / 90)) {
-    if (!old_counts.is_stale(sample)) last = sample;
+    if (!stale_counts.is_stale(sample)) last = sample;
   }
   EXPECT_EQ(last.utime, 1'000'000 + 1199 * kEachSample) << "at rest all samples are used";
 }
 
-TEST(OldCounts, ASampleOfBeforeIsNotJudged) {
-  OldCounts old_counts;
+TEST(StaleCounts, ASampleOfBeforeIsNotJudged) {
+  StaleCounts stale_counts;
   for (const base::WheelSample& sample : counted(
            3, [](double) { return 17.0; }, 1))
-    (void)old_counts.is_stale(sample);
-  EXPECT_FALSE(old_counts.is_stale({1'500'000, {0, 0}}));
+    (void)stale_counts.is_stale(sample);
+  EXPECT_FALSE(stale_counts.is_stale({1'500'000, {0, 0}}));
 }
 
 }  // namespace

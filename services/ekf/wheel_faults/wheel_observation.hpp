@@ -9,7 +9,7 @@
 namespace curbstone::ekf::wheel_faults {
 
 /// An interval of the wheels while the vehicle drives, with the filter's expectation. Arrays are left, right.
-struct WheelLook {
+struct WheelObservation {
   std::int64_t begin = 0;               ///< us
   std::int64_t end = 0;                 ///< us
   std::array<double, 2> speed = {};     ///< m/s, of the wheels

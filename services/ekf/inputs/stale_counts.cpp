@@ -1,4 +1,4 @@
-#include "services/ekf/inputs/old_counts.hpp"
+#include "services/ekf/inputs/stale_counts.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,7 @@ constexpr int kSureGaps = 3;          // consecutive gaps
 
 }  // namespace
 
-void OldCounts::Renewal::add(std::int64_t utime, double new_angle) {
+void StaleCounts::Renewal::add(std::int64_t utime, double new_angle) {
   if (new_angle == angle && changed != 0) {
     repeated = true;
     return;
@@ -34,7 +34,7 @@ void OldCounts::Renewal::add(std::int64_t utime, double new_angle) {
   repeated = false;
 }
 
-bool OldCounts::is_stale(const base::WheelSample& sample) {
+bool StaleCounts::is_stale(const base::WheelSample& sample) {
   if (used_ && sample.utime <= newest_) return false;
   newest_ = sample.utime;
   for (std::size_t i = 0; i < 2; ++i) renewals_[i].add(sample.utime, sample.angle[i]);

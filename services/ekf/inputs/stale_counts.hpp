@@ -17,7 +17,7 @@ namespace curbstone::ekf::inputs {
 ///   any speed, and ends where the wheel stops: after one period without a change the angle is accepted.
 ///
 /// Wheels whose angles change from sample to sample are never old. Pure; one thread.
-class OldCounts {
+class StaleCounts {
  public:
   /// Whether the sample is old. A sample that is not newer than the one before is not judged.
   [[nodiscard]] bool is_stale(const base::WheelSample& sample);

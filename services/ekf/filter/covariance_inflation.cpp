@@ -1,4 +1,4 @@
-#include "services/ekf/filter/doubt.hpp"
+#include "services/ekf/filter/covariance_inflation.hpp"
 
 #include <algorithm>
 #include <cmath>

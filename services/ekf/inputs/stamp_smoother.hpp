@@ -18,7 +18,7 @@ namespace curbstone::ekf::inputs {
 /// increase where those do.
 ///
 /// A function of the channel's sequence alone. Pure; one thread; us.
-class StampStraightener {
+class StampSmoother {
  public:
   static constexpr std::size_t kMemory = 512;  ///< samples
   static constexpr double kJitter = 2'000.0;   ///< us, mean lateness below which stamps are left as they are
@@ -37,7 +37,7 @@ class StampStraightener {
   void restart();
   void learn();
   [[nodiscard]] double slope() const;
-  [[nodiscard]] double least_height(std::size_t samples) const;
+  [[nodiscard]] double min_height(std::size_t samples) const;
   /// us, height of a point above the line through the first point with the period as slope.
   [[nodiscard]] double height(const Point& point) const;
   [[nodiscard]] bool stays_near() const;

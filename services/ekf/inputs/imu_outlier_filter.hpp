@@ -15,7 +15,7 @@ namespace curbstone::ekf::inputs {
 /// A sample that leaps is held until the next one shows whether it is isolated. If the signal stays there, as in a
 /// jolt, all held samples are passed on. A leap is a change of kLeaps times the usual change from one sample to the
 /// next, and at least kMinTurn or kMinForce: smaller bad samples do no harm. A value type; one thread.
-class LoneSamples {
+class ImuOutlierFilter {
  public:
   static constexpr double kLeaps = 8.0;
   static constexpr double kMinTurn = 0.5;           ///< rad/s

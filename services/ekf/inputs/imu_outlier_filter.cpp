@@ -1,4 +1,4 @@
-#include "services/ekf/inputs/lone_samples.hpp"
+#include "services/ekf/inputs/imu_outlier_filter.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,13 +13,13 @@ constexpr std::size_t kMaxRecent = 1'000;      // samples of the last minute tha
 constexpr double kMaxMultiple = 3.0;           // upper bound of a counted change, as a multiple of the usual one
 
 double limit(double least, double usual_square) {
-  return std::max(least, LoneSamples::kLeaps * std::sqrt(usual_square));
+  return std::max(least, ImuOutlierFilter::kLeaps * std::sqrt(usual_square));
 }
 
 /// Mean square over about kMemory. A change counts as at most kMaxMultiple times the usual one, so that leaps do not
 /// become usual; on a rough track the limit grows within a second.
 void follow(double& usual_square, double least, double change, double share) {
-  const double most = std::max(least * least / (LoneSamples::kLeaps * LoneSamples::kLeaps), usual_square);
+  const double most = std::max(least * least / (ImuOutlierFilter::kLeaps * ImuOutlierFilter::kLeaps), usual_square);
   usual_square += share * (std::min(change * change, kMaxMultiple * kMaxMultiple * most) - usual_square);
 }
 
@@ -29,7 +29,7 @@ double change_of(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
 
 }  // namespace
 
-const std::vector<base::ImuSample>& LoneSamples::add(const base::ImuSample& sample) {
+const std::vector<base::ImuSample>& ImuOutlierFilter::add(const base::ImuSample& sample) {
   passed_.clear();
   const base::ImuSample* newest = !held_.empty() ? &held_.back() : last_ ? &*last_ : nullptr;
   const std::int64_t gap = newest != nullptr ? sample.utime - newest->utime : kMaxGap + 1;
@@ -56,18 +56,18 @@ const std::vector<base::ImuSample>& LoneSamples::add(const base::ImuSample& samp
   return passed_;
 }
 
-bool LoneSamples::leaps(const base::ImuSample& from, const base::ImuSample& to) const {
+bool ImuOutlierFilter::leaps(const base::ImuSample& from, const base::ImuSample& to) const {
   return change_of(from.angular_rate, to.angular_rate) > limit(kMinTurn, turn_) ||
          change_of(from.acceleration, to.acceleration) > limit(kMinForce, force_);
 }
 
-void LoneSamples::learn(const base::ImuSample& from, const base::ImuSample& to) {
+void ImuOutlierFilter::learn(const base::ImuSample& from, const base::ImuSample& to) {
   const double share = std::min(base::seconds_between(from.utime, to.utime) / kMemory, 1.0);
   follow(turn_, kMinTurn, change_of(from.angular_rate, to.angular_rate), share);
   follow(force_, kMinForce, change_of(from.acceleration, to.acceleration), share);
 }
 
-void LoneSamples::reject_held() {
+void ImuOutlierFilter::reject_held() {
   for (const base::ImuSample& held : held_) {
     ++refused_;
     if (recently_rejected_.size() < kMaxRecent) recently_rejected_.push_back(held.utime);
@@ -75,7 +75,7 @@ void LoneSamples::reject_held() {
   held_.clear();
 }
 
-void LoneSamples::pass(const base::ImuSample& sample) {
+void ImuOutlierFilter::pass(const base::ImuSample& sample) {
   last_ = sample;
   passed_.push_back(sample);
   std::erase_if(recently_rejected_, [&](std::int64_t utime) { return std::abs(sample.utime - utime) > kMinute; });

@@ -1,4 +1,4 @@
-#include "services/ekf/inputs/lone_samples.hpp"
+#include "services/ekf/inputs/imu_outlier_filter.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@ namespace curbstone::ekf::inputs {
 namespace {
 
 /// A vehicle that sways and shakes, at 100 samples a second.
-class LoneSamplesTest : public ::testing::Test {
+class ImuOutlierFilterTest : public ::testing::Test {
  protected:
   base::ImuSample next(double shaking = 0.1) {
     const double t = 0.01 * static_cast<double>(taken_++);
@@ -22,7 +22,7 @@ class LoneSamplesTest : public ::testing::Test {
   void settle(double shaking = 0.1) {
     for (int i = 0; i < 200; ++i) ASSERT_EQ(samples_.add(next(shaking)).size(), 1U);
   }
-  LoneSamples samples_;
+  ImuOutlierFilter samples_;
 
  private:
   int taken_ = 0;
@@ -30,12 +30,12 @@ class LoneSamplesTest : public ::testing::Test {
   std::normal_distribution<double> normal_;
 };
 
-TEST_F(LoneSamplesTest, OfAVehicleThatDrivesAndShakesThereAreNone) {
+TEST_F(ImuOutlierFilterTest, OfAVehicleThatDrivesAndShakesThereAreNone) {
   settle(3.0);
   EXPECT_EQ(samples_.refused(), 0);
 }
 
-TEST_F(LoneSamplesTest, OneThatLeapsAndTheNextIsBackIsRefused) {
+TEST_F(ImuOutlierFilterTest, OneThatLeapsAndTheNextIsBackIsRefused) {
   settle();
   base::ImuSample bad = next();
   bad.angular_rate.z() += 0.8;
@@ -44,7 +44,7 @@ TEST_F(LoneSamplesTest, OneThatLeapsAndTheNextIsBackIsRefused) {
   EXPECT_EQ(samples_.refused(), 1);
 }
 
-TEST_F(LoneSamplesTest, SoAreTwoTogetherOfTheAccelerometer) {
+TEST_F(ImuOutlierFilterTest, SoAreTwoTogetherOfTheAccelerometer) {
   settle();
   for (const double leap : {-60.0, 45.0}) {
     base::ImuSample bad = next();
@@ -55,7 +55,7 @@ TEST_F(LoneSamplesTest, SoAreTwoTogetherOfTheAccelerometer) {
   EXPECT_EQ(samples_.refused(), 2);
 }
 
-TEST_F(LoneSamplesTest, AJoltThatGoesOnIsLetThroughWhole) {
+TEST_F(ImuOutlierFilterTest, AJoltThatGoesOnIsLetThroughWhole) {
   settle();
   std::size_t passed = 0;
   for (int i = 0; i < 5; ++i) {
@@ -69,7 +69,7 @@ TEST_F(LoneSamplesTest, AJoltThatGoesOnIsLetThroughWhole) {
   EXPECT_EQ(samples_.refused(), 0);
 }
 
-TEST_F(LoneSamplesTest, WhatIsUsualOnARoughTrackIsNoLeap) {
+TEST_F(ImuOutlierFilterTest, WhatIsUsualOnARoughTrackIsNoLeap) {
   settle();
   std::size_t passed = 0;
   for (int i = 0; i < 1000; ++i) passed += samples_.add(next(15.0)).size();
@@ -79,7 +79,7 @@ TEST_F(LoneSamplesTest, WhatIsUsualOnARoughTrackIsNoLeap) {
   EXPECT_EQ(samples_.refused(), before);
 }
 
-TEST_F(LoneSamplesTest, OneOfAHundredIsRefusedForAsLongAsItTakes) {
+TEST_F(ImuOutlierFilterTest, OneOfAHundredIsRefusedForAsLongAsItTakes) {
   settle();
   std::int64_t bad = 0;
   for (int i = 0; i < 6000; ++i) {
@@ -94,7 +94,7 @@ TEST_F(LoneSamplesTest, OneOfAHundredIsRefusedForAsLongAsItTakes) {
   EXPECT_NEAR(static_cast<double>(samples_.rejected_last_minute()), 60.0, 1.0);
 }
 
-TEST_F(LoneSamplesTest, OneBeforeAGapAndALateOneAreNoMeasureOfEachOther) {
+TEST_F(ImuOutlierFilterTest, OneBeforeAGapAndALateOneAreNoMeasureOfEachOther) {
   settle();
   const base::ImuSample late = next();
   const base::ImuSample last = next();
@@ -108,7 +108,7 @@ TEST_F(LoneSamplesTest, OneBeforeAGapAndALateOneAreNoMeasureOfEachOther) {
   EXPECT_EQ(samples_.refused(), 0);
 }
 
-TEST_F(LoneSamplesTest, AClockThatWasSetBackBeginsAnew) {
+TEST_F(ImuOutlierFilterTest, AClockThatWasSetBackBeginsAnew) {
   settle();
   base::ImuSample earlier = next();
   earlier.utime -= 3'600'000'000;
