@@ -22,8 +22,8 @@ void Hypotheses::begin(std::vector<tracking::PoseBelief> beliefs) {
   revolutions_ = 0;
 }
 
-void Hypotheses::drive_on(const std::vector<Eigen::Vector3d>& points, const tracking::Motion& motion,
-                          fields::SavedMap& map) {
+void Hypotheses::update(const std::vector<Eigen::Vector3d>& points, const tracking::Motion& motion,
+                        fields::SavedMap& map) {
   driven_ += motion.T_last_base.translation().norm();
   ++revolutions_;
   for (Hypothesis& one : alive_) {
@@ -66,11 +66,11 @@ void Hypotheses::drop() {
   alive_ = std::move(kept);
 }
 
-bool Hypotheses::one_holds() const {
+bool Hypotheses::converged() const {
   return alive_.size() == 1 && driven_ >= kMinDriven && alive_.front().matched_share >= kHolds;
 }
 
-bool Hypotheses::several_hold() const {
+bool Hypotheses::ambiguous() const {
   return alive_.size() > 1 && driven_ >= kMinDriven;
 }
 

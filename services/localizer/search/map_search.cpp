@@ -44,7 +44,7 @@ MapSearch::MapSearch(const std::vector<Eigen::Vector2d>& plan, const fields::Sav
   regions_.erase(std::unique(regions_.begin(), regions_.end()), regions_.end());
 }
 
-bool MapSearch::go_on(std::int64_t lookups) {
+bool MapSearch::advance(std::int64_t lookups) {
   const std::int64_t until = lookups_ + lookups;
   while (!done() && lookups_ < until) {
     if (!region_) {

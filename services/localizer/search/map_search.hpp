@@ -29,7 +29,7 @@ class MapSearch {
   MapSearch(const std::vector<Eigen::Vector2d>& plan, const fields::SavedMap& map);
 
   /// Continues the search for about `lookups` look-ups of plan positions. Returns false when the search is done.
-  bool go_on(std::int64_t lookups);
+  bool advance(std::int64_t lookups);
   [[nodiscard]] bool done() const { return next_region_ >= regions_.size() && !region_; }
   /// The candidates, best first. No two are neighbours, and none scores far less than the best.
   [[nodiscard]] std::vector<Candidate> candidates() const;

@@ -1,4 +1,4 @@
-#include "services/localizer/tracking/surroundings.hpp"
+#include "services/localizer/tracking/nearby_alternatives.hpp"
 
 #include <gtest/gtest.h>
 
@@ -19,21 +19,21 @@ PoseFit held_at(const Pose& pose, const std::vector<Eigen::Vector3d>& points, fi
   return fit_pose(points, {pose, 1e-8 * Matrix6::Identity()}, map, {});
 }
 
-TEST(Surroundings, HaveNoBetterPlaceThanTheRightOne) {
+TEST(NearbyAlternatives, HaveNoBetterPlaceThanTheRightOne) {
   const Yard yard;
   fields::SavedMap map(map_of(yard));
   const Pose truth = pose_at(-1, 0, 0.2);
   const auto points = points_in(yard, truth);
-  Surroundings surroundings;
+  NearbyAlternatives alternatives;
   const PoseFit own = held_at(truth, points, map);
-  EXPECT_FALSE(surroundings.all_seen());
-  EXPECT_FALSE(surroundings.better_than(own, points, 1000, map, {}));
-  EXPECT_TRUE(surroundings.all_seen());
-  surroundings.restart();
-  EXPECT_FALSE(surroundings.all_seen());
+  EXPECT_FALSE(alternatives.all_tried());
+  EXPECT_FALSE(alternatives.better_than(own, points, 1000, map, {}));
+  EXPECT_TRUE(alternatives.all_tried());
+  alternatives.restart();
+  EXPECT_FALSE(alternatives.all_tried());
 }
 
-TEST(Surroundings, OfAWrongPoseHaveTheRightOne) {
+TEST(NearbyAlternatives, OfAWrongPoseHaveTheRightOne) {
   const Yard yard;
   fields::SavedMap map(map_of(yard));
   const Pose truth = pose_at(-1, 0, 0.2);
@@ -41,26 +41,26 @@ TEST(Surroundings, OfAWrongPoseHaveTheRightOne) {
   for (const Eigen::Vector2d& off : {Eigen::Vector2d(1, 0), {-2.5, 0}, {0, 1.3}, {2, -1}}) {
     Pose wrong = truth;
     wrong.translation() += truth.linear() * Eigen::Vector3d(off.x(), off.y(), 0);
-    Surroundings surroundings;
-    const auto better = surroundings.better_than(held_at(wrong, points, map), points, 1000, map, {});
+    NearbyAlternatives alternatives;
+    const auto better = alternatives.better_than(held_at(wrong, points, map), points, 1000, map, {});
     ASSERT_TRUE(better) << off.transpose();
     EXPECT_LT(error_between(truth, better->belief.T_map_base).head<2>().norm(), 0.05) << off.transpose();
   }
 }
 
-TEST(Surroundings, BetweenTwoLongWallsAreAllAlike) {
+TEST(NearbyAlternatives, BetweenTwoLongWallsAreAllAlike) {
   const Yard street{.ends = false};
   fields::SavedMap map(map_of(street));
   const Pose truth = pose_at(0, 0, street.turned);
   const auto points = points_in(street, truth);
   Pose ahead = truth;
   ahead.translation() += truth.linear() * Eigen::Vector3d(1, 0, 0);
-  Surroundings surroundings;
-  EXPECT_FALSE(surroundings.better_than(held_at(ahead, points, map), points, 1000, map, {}))
+  NearbyAlternatives alternatives;
+  EXPECT_FALSE(alternatives.better_than(held_at(ahead, points, map), points, 1000, map, {}))
       << "nothing tells; it is degenerate, not wrong";
 }
 
-TEST(Surroundings, AreNotGoneToAlongAnAxisThatTheyDoNotTell) {
+TEST(NearbyAlternatives, AreNotGoneToAlongAnAxisThatTheyDoNotTell) {
   const Yard street{.ends = false};
   fields::SavedMap map(map_of(street));
   const Pose truth = pose_at(0, 0, street.turned);
@@ -69,10 +69,10 @@ TEST(Surroundings, AreNotGoneToAlongAnAxisThatTheyDoNotTell) {
   few.independent = 0.0001;
   PoseFit doubted = held_at(truth, points, map);
   doubted.grounds_matched /= 2;  // as if each place along the street explained more
-  Surroundings surroundings;
+  NearbyAlternatives alternatives;
   int gone_to = 0;
-  while (!surroundings.all_seen()) {
-    const auto place = surroundings.better_than(doubted, points, 1, map, few);
+  while (!alternatives.all_tried()) {
+    const auto place = alternatives.better_than(doubted, points, 1, map, few);
     if (!place) continue;
     ++gone_to;
     EXPECT_LT(std::abs((truth.inverse() * place->belief.T_map_base).translation().x()), 0.4);
@@ -80,7 +80,7 @@ TEST(Surroundings, AreNotGoneToAlongAnAxisThatTheyDoNotTell) {
   EXPECT_GT(gone_to, 0) << "the same place";
 }
 
-TEST(Surroundings, WhereHardlyAnythingStandsAreNoReasonToLeave) {
+TEST(NearbyAlternatives, WhereHardlyAnythingStandsAreNoReasonToLeave) {
   const Yard yard;
   fields::SavedMap map(map_of(yard));
   const Pose truth = pose_at(-1, 0, 0.2);
@@ -91,11 +91,11 @@ TEST(Surroundings, WhereHardlyAnythingStandsAreNoReasonToLeave) {
   own.uprights = 30;  // too few to tell whether they match
   own.uprights_matched = 0;
   ASSERT_EQ(own.matched_share(), 0);
-  Surroundings surroundings;
-  EXPECT_FALSE(surroundings.better_than(own, points, 1000, map, {})) << "all the ground fits";
+  NearbyAlternatives alternatives;
+  EXPECT_FALSE(alternatives.better_than(own, points, 1000, map, {})) << "all the ground fits";
 }
 
-TEST(Surroundings, AreNotComparedByWhatIsNotToTellThePose) {
+TEST(NearbyAlternatives, AreNotComparedByWhatIsNotToTellThePose) {
   const Yard yard;
   fields::SavedMap map(map_of(yard));
   const Pose truth = pose_at(-1, 0, 0.2);
@@ -105,8 +105,8 @@ TEST(Surroundings, AreNotComparedByWhatIsNotToTellThePose) {
   TrackingConfig by_odometry;
   by_odometry.use_walls = false;
   by_odometry.heights = Heights::kNone;
-  Surroundings surroundings;
-  EXPECT_FALSE(surroundings.better_than(held_at(wrong, points, map), points, 1000, map, by_odometry));
+  NearbyAlternatives alternatives;
+  EXPECT_FALSE(alternatives.better_than(held_at(wrong, points, map), points, 1000, map, by_odometry));
 }
 
 }  // namespace

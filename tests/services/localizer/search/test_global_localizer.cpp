@@ -1,4 +1,4 @@
-#include "services/localizer/search/finder.hpp"
+#include "services/localizer/search/global_localizer.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ using test_yard::Yard;
 struct DriveThrough {
   Yard yard;
   fields::SavedMap map;
-  Finder finder{tracking::TrackingConfig{}};
+  GlobalLocalizer localizer{tracking::TrackingConfig{}};
   Pose T_map_base = pose_at(-8, -1, 0.2);
   Pose T_odom_map = pose_at(20, 5, 2.0);
   bool was_ambiguous = false;
@@ -26,8 +26,8 @@ struct DriveThrough {
     motion.seconds = 0.05;
     motion.T_last_base = pose_at(step, 0, 0.1 * step);
     T_map_base = T_map_base * motion.T_last_base;
-    const auto found = finder.look(points_in(yard, T_map_base), T_odom_map * T_map_base, motion, map);
-    was_ambiguous = was_ambiguous || finder.ambiguous();
+    const auto found = localizer.process(points_in(yard, T_map_base), T_odom_map * T_map_base, motion, map);
+    was_ambiguous = was_ambiguous || localizer.ambiguous();
     return found;
   }
   std::optional<tracking::PoseBelief> revolutions(int most) {
@@ -38,7 +38,7 @@ struct DriveThrough {
   }
 };
 
-TEST(Finder, FindsAVehicleThatDrivesInAYard) {
+TEST(GlobalLocalizer, FindsAVehicleThatDrivesInAYard) {
   DriveThrough drive{{.open = true}, fields::SavedMap(map_of(Yard{.open = true}))};
   const auto found = drive.revolutions(100);
   ASSERT_TRUE(found);
@@ -46,33 +46,33 @@ TEST(Finder, FindsAVehicleThatDrivesInAYard) {
   EXPECT_FALSE(drive.was_ambiguous);
 }
 
-TEST(Finder, AtAPlaceThatTheMapHasTwiceItIsNeverSure) {
+TEST(GlobalLocalizer, AtAPlaceThatTheMapHasTwiceItIsNeverSure) {
   DriveThrough drive{{.open = true}, fields::SavedMap(test_yard::twice(map_of(Yard{.open = true}), 40))};
   EXPECT_FALSE(drive.revolutions(100));
   EXPECT_TRUE(drive.was_ambiguous);
-  ASSERT_NE(drive.finder.best(), nullptr);
+  ASSERT_NE(drive.localizer.best(), nullptr);
 }
 
-TEST(Finder, OnAMapOfAnotherPlaceItIsNeverSure) {
+TEST(GlobalLocalizer, OnAMapOfAnotherPlaceItIsNeverSure) {
   DriveThrough drive{{.open = true},
                      fields::SavedMap(map_of({.half_length = 8.3, .half_width = 9.4, .turned = -0.5, .curb = 2}))};
   EXPECT_FALSE(drive.revolutions(100));
-  EXPECT_GE(drive.finder.searches(), 1);
+  EXPECT_GE(drive.localizer.searches(), 1);
 }
 
-TEST(Finder, WhileTheVehicleStandsItIsNotSure) {
+TEST(GlobalLocalizer, WhileTheVehicleStandsItIsNotSure) {
   DriveThrough drive{{.open = true}, fields::SavedMap(map_of(Yard{.open = true}))};
   for (int i = 0; i < 120; ++i) ASSERT_FALSE(drive.revolution(0)) << i;
-  ASSERT_NE(drive.finder.best(), nullptr) << "but has a guess";
-  EXPECT_LT((drive.finder.best()->belief.T_map_base.translation() - drive.T_map_base.translation()).head<2>().norm(),
+  ASSERT_NE(drive.localizer.best(), nullptr) << "but has a guess";
+  EXPECT_LT((drive.localizer.best()->belief.T_map_base.translation() - drive.T_map_base.translation()).head<2>().norm(),
             0.05);
 }
 
-TEST(Finder, BeginsAgainWhenToldTo) {
+TEST(GlobalLocalizer, BeginsAgainWhenToldTo) {
   DriveThrough drive{{.open = true}, fields::SavedMap(map_of(Yard{.open = true}))};
   drive.revolutions(30);
-  drive.finder.restart();
-  EXPECT_EQ(drive.finder.best(), nullptr);
+  drive.localizer.restart();
+  EXPECT_EQ(drive.localizer.best(), nullptr);
   EXPECT_TRUE(drive.revolutions(60));
 }
 

@@ -1,4 +1,4 @@
-#include "services/localizer/tracking/surroundings.hpp"
+#include "services/localizer/tracking/nearby_alternatives.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -56,8 +56,8 @@ bool lies_along_degenerate_axis(const PoseFit& own, const PoseFit& other) {
 
 }  // namespace
 
-std::optional<PoseFit> Surroundings::better_than(const PoseFit& own, const std::vector<Eigen::Vector3d>& points,
-                                                 int count, fields::SavedMap& map, const TrackingConfig& config) {
+std::optional<PoseFit> NearbyAlternatives::better_than(const PoseFit& own, const std::vector<Eigen::Vector3d>& points,
+                                                       int count, fields::SavedMap& map, const TrackingConfig& config) {
   std::optional<PoseFit> best;
   for (int i = 0; i < count; ++i, next_ = (next_ + 1) % kPlaces) {
     seen_ = std::min(seen_ + 1, kPlaces);
@@ -74,7 +74,7 @@ std::optional<PoseFit> Surroundings::better_than(const PoseFit& own, const std::
   return best;
 }
 
-bool Surroundings::all_seen() const {
+bool NearbyAlternatives::all_tried() const {
   return seen_ == kPlaces;
 }
 

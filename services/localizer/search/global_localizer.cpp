@@ -1,4 +1,4 @@
-#include "services/localizer/search/finder.hpp"
+#include "services/localizer/search/global_localizer.hpp"
 
 #include "services/localizer/tracking/pose_on_ground.hpp"
 
@@ -30,8 +30,9 @@ tracking::PoseBelief belief_at(const Candidate& candidate, const Pose& T_odom_an
 
 }  // namespace
 
-std::optional<tracking::PoseBelief> Finder::look(const std::vector<Eigen::Vector3d>& points, const Pose& T_odom_base,
-                                                 const tracking::Motion& motion, fields::SavedMap& map) {
+std::optional<tracking::PoseBelief> GlobalLocalizer::process(const std::vector<Eigen::Vector3d>& points,
+                                                             const Pose& T_odom_base, const tracking::Motion& motion,
+                                                             fields::SavedMap& map) {
   switch (state_) {
     case State::kCollecting:
       collect(points, T_odom_base, map);
@@ -40,25 +41,26 @@ std::optional<tracking::PoseBelief> Finder::look(const std::vector<Eigen::Vector
       search(T_odom_base, map);
       break;
     case State::kDriving:
-      hypotheses_.drive_on(points, motion, map);
-      if (hypotheses_.one_holds()) return hypotheses_.alive().front().belief;
+      hypotheses_.update(points, motion, map);
+      if (hypotheses_.converged()) return hypotheses_.alive().front().belief;
       if (hypotheses_.alive().empty() || hypotheses_.driven() > kMaxDriven) restart();
       break;
   }
   return std::nullopt;
 }
 
-void Finder::restart() {
+void GlobalLocalizer::restart() {
   state_ = State::kCollecting;
   scan_.clear();
   search_.reset();
 }
 
-const Hypothesis* Finder::best() const {
+const Hypothesis* GlobalLocalizer::best() const {
   return state_ == State::kDriving && !hypotheses_.alive().empty() ? &hypotheses_.alive().front() : nullptr;
 }
 
-void Finder::collect(const std::vector<Eigen::Vector3d>& points, const Pose& T_odom_base, const fields::SavedMap& map) {
+void GlobalLocalizer::collect(const std::vector<Eigen::Vector3d>& points, const Pose& T_odom_base,
+                              const fields::SavedMap& map) {
   scan_.add(points, T_odom_base);
   const bool seen_enough = scan_.revolutions() >= kMinRevolutions && scan_.driven() >= kMinCollected;
   if (!seen_enough && scan_.revolutions() < LocalScan::kMaxRevolutions) return;
@@ -70,8 +72,8 @@ void Finder::collect(const std::vector<Eigen::Vector3d>& points, const Pose& T_o
   state_ = State::kSearching;
 }
 
-void Finder::search(const Pose& T_odom_base, fields::SavedMap& map) {
-  if (search_->go_on(kLookups)) return;
+void GlobalLocalizer::search(const Pose& T_odom_base, fields::SavedMap& map) {
+  if (search_->advance(kLookups)) return;
   ++searches_;
   std::vector<tracking::PoseBelief> beliefs;
   for (const Candidate& one : search_->candidates())
