@@ -1,4 +1,4 @@
-#include "services/recorder/config_memory.hpp"
+#include "services/recorder/config_cache.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 
 namespace curbstone::recorder {
 
-bool ConfigMemory::take(const void* data, int size) {
+bool ConfigCache::take(const void* data, int size) {
   service_config_t message;
   if (!decode(data, size, message)) return false;
   const std::string id = message.service + " on " + message.host;
@@ -20,12 +20,12 @@ bool ConfigMemory::take(const void* data, int size) {
   return is_new;
 }
 
-void ConfigMemory::write(LogWriter& log, std::int64_t utime) const {
+void ConfigCache::write(LogWriter& log, std::int64_t utime) const {
   for (const auto& [id, known] : by_service_)
     log.write("CONFIG", known.bytes.data(), static_cast<int>(known.bytes.size()), utime);
 }
 
-std::string ConfigMemory::yaml() const {
+std::string ConfigCache::yaml() const {
   std::string text =
       "# How the processes of this recording were configured. 'curbstone replay' takes it from the log.\n";
   std::map<std::string, const Known*> sections;

@@ -11,7 +11,7 @@ namespace curbstone::recorder {
 
 /// The newest CONFIG of each process. Each file of a session begins with them, so that it documents the vehicle's
 /// configuration.
-class ConfigMemory {
+class ConfigCache {
  public:
   /// Takes an encoded CONFIG; accepts any bytes. Returns whether its content is new.
   bool take(const void* data, int size);
