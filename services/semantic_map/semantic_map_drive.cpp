@@ -21,7 +21,7 @@ constexpr std::size_t kSteppedAtOnce = 4000;  // steps of tiles: most of a secon
 template <typename Message>
 bool SemanticMapNode::follow_mapper(const Message& message) {
   const bool is_present = follow_epoch(message.epoch, EpochFollower::Source::kMapper);
-  const std::size_t dropped = is_present ? held_.clear() : held_.hold(message);
+  const std::size_t dropped = is_present ? pending_trajectory_.clear() : pending_trajectory_.hold(message);
   if (dropped > 0) counters_.add("dropped.other_epoch", static_cast<std::int64_t>(dropped));
   return is_present;
 }
@@ -87,7 +87,7 @@ void SemanticMapNode::take_again(const map_trajectory_t& message) {
 
 void SemanticMapNode::add_to_path(std::int64_t utime, const Eigen::Vector2d& place) {
   path_.add(utime, place);
-  if (keeper_.keeps()) linker_.drove(utime, place);
+  if (keeper_.keeps()) linker_.add_place(utime, place);
 }
 
 void SemanticMapNode::begin_drive(std::int64_t utime) {
@@ -98,7 +98,7 @@ void SemanticMapNode::begin_drive(std::int64_t utime) {
 /// Computes and publishes everything that is stale or waits.
 void SemanticMapNode::settle() {
   pipeline::WorkResult settled = pipeline_.settle();
-  ask_for_lost();
+  request_lost_tiles();
   unsent_.merge(settled.changed);
   if (settled.markings) markings_changed_ = true;
   schedule_.clear();
@@ -115,16 +115,16 @@ void SemanticMapNode::settle_while_lost() {
 
 void SemanticMapNode::finish() {
   settle();  // nobody answers any more, but what is lost is counted
-  if (has_points()) say_last();
+  if (has_points()) publish_final();
   MapLineSources sources = line_sources(pipeline_, path_, config_.markings);
-  sources.before = keeper_.lines_before();
+  sources.before = keeper_.previous_lines();
   const tile::MapLines lines = link(sources);
   if (drive_started_) keeper_.finish(lines);
   if (!config_.picture.empty()) draw_picture(lines);
 }
 
 /// Depends on the map and on the vehicle's last position, not on earlier messages.
-void SemanticMapNode::say_last() {
+void SemanticMapNode::publish_final() {
   if (curbs_changed_ || curbs_from_ != vehicle_) publish_curbs(newest_utime_);
   if (markings_changed_ || (config_.markings.enabled && markings_from_ != vehicle_)) publish_markings(newest_utime_);
   publish_index(newest_utime_);

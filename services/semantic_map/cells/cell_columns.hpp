@@ -84,14 +84,14 @@ struct CellColumns {
 };
 
 /// Assigns the points of a tile to its columns as they arrive.
-class ColumnMeter {
+class ColumnAccumulator {
  public:
-  ColumnMeter(const ground::GroundSurface& ground, const ClassParameters& parameters);
+  ColumnAccumulator(const ground::GroundSurface& ground, const ClassParameters& parameters);
 
   void add(std::span<const tile::VotedPoints::Place> points);
   [[nodiscard]] std::size_t num_points() const { return num_points_; }
-  /// Updates columns that this meter has read before (any columns at the first call): the result is the same as if all
-  /// points so far had come at once. Returns whether the columns changed.
+  /// Updates columns that this accumulator has read before (any columns at the first call): the result is the same as
+  /// if all points so far had come at once. Returns whether the columns changed.
   bool read(CellColumns& columns);
 
  private:

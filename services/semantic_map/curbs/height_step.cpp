@@ -182,7 +182,7 @@ std::optional<HeightStep> find_height_step(const StepWindow& points, double nois
   return most_certain(fits, sides.exist);
 }
 
-StepSides look_at_sides(const StepWindow& points, const HeightStep& step, const tile::CurbParameters& parameters) {
+StepSides evaluate_sides(const StepWindow& points, const HeightStep& step, const tile::CurbParameters& parameters) {
   return {.clear = clear_height(points, step, parameters.half_window), .face_above = count_face_above(points, step)};
 }
 

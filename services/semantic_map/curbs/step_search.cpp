@@ -153,7 +153,7 @@ double StepSearch::look_in(const Eigen::Vector2d& up, double half_length, bool e
       rival = &other;
   }
   if (rival != nullptr && !is_more_certain(*step, rival->step)) return certain;
-  const StepSides sides = look_at_sides(window_, *step, parameters_);
+  const StepSides sides = evaluate_sides(window_, *step, parameters_);
   if (!parts_its_sides(sides, *step, parameters_)) return certain;
   const FoundStep found{*step, find_curb_face(window_, *step), up, half_length};
   if (rival != nullptr)

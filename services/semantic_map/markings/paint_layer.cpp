@@ -14,7 +14,7 @@ constexpr int kSteps = kStepsPerTile / kCellsPerTile;
 
 }  // namespace
 
-PaintLayer lay_paint(const tile::VotedTile& tile, const ground::GroundSurface& ground) {
+PaintLayer accumulate_paint(const tile::VotedTile& tile, const ground::GroundSurface& ground) {
   PaintLayer layer;
   if (tile.intensity.size() != tile.points.size()) return layer;
   std::array<float, tile::kCellsInTile> height;

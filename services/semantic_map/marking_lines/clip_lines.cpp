@@ -1,4 +1,4 @@
-#include "services/semantic_map/marking_lines/cut_lines.hpp"
+#include "services/semantic_map/marking_lines/clip_lines.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -69,8 +69,8 @@ void add_parts(const tile::MarkingLine& line, const Eigen::Vector2d& min, const 
 
 }  // namespace
 
-std::vector<tile::MarkingLine> cut_lines(const std::vector<tile::MarkingLine>& lines, const Eigen::Vector2d& min,
-                                         const Eigen::Vector2d& max) {
+std::vector<tile::MarkingLine> clip_lines(const std::vector<tile::MarkingLine>& lines, const Eigen::Vector2d& min,
+                                          const Eigen::Vector2d& max) {
   std::vector<tile::MarkingLine> parts;
   for (const tile::MarkingLine& line : lines) add_parts(line, min, max, parts);
   return parts;

@@ -11,7 +11,7 @@ namespace curbstone::semantic_map {
 
 /// Holds the mapper's messages about the drive in an epoch that may begin (EpochFollower), until the epoch begins or is
 /// rejected. At most kMaxMessages messages, the newest ones.
-class HeldDrive {
+class PendingTrajectory {
  public:
   using Message = std::variant<map_pose_t, map_trajectory_t>;
   static constexpr std::size_t kMaxMessages = 64;  ///< of up to 42 kB; a new epoch is accepted with the second message

@@ -1,4 +1,4 @@
-#include "services/semantic_map/marking_lines/marking_strings.hpp"
+#include "services/semantic_map/marking_lines/piece_sequences.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -108,10 +108,10 @@ bool lies_across(const MarkingPiece& piece, const tile::DrivenPath& path) {
   return way && std::abs(way->dot(piece.direction())) < kStopAcross;
 }
 
-/// The type of a string of pieces, from lengths and gaps (m).
-MarkingType type_of(const MarkingString& string, const std::vector<double>& dashes, const std::vector<double>& gaps,
+/// The type of a sequence of pieces, from lengths and gaps (m).
+MarkingType type_of(const PieceSequence& sequence, const std::vector<double>& dashes, const std::vector<double>& gaps,
                     const tile::DrivenPath& path) {
-  const MarkingPiece& piece = string.front();
+  const MarkingPiece& piece = sequence.front();
   const double painted = std::accumulate(dashes.begin(), dashes.end(), 0.0);
   const double open = std::accumulate(gaps.begin(), gaps.end(), 0.0);
   const double length = painted + open;
@@ -119,17 +119,17 @@ MarkingType type_of(const MarkingString& string, const std::vector<double>& dash
   const double longest_gap = gaps.empty() ? 0 : *std::max_element(gaps.begin(), gaps.end());
   const bool is_whole = painted >= kWornShare * length || longest_gap <= kHole;
   std::vector<double> widths;
-  for (const MarkingPiece& p : string) widths.push_back(p.width);
+  for (const MarkingPiece& p : sequence) widths.push_back(p.width);
   if (is_whole && median_of(widths) >= kStopWidth && length >= kShortestStop && length <= kLongestStop &&
       lies_across(piece, path))
     return MarkingType::kStopLine;
-  if (is_whole && length >= (string.size() > 1 ? kShortSolid : kSolid)) return MarkingType::kSolid;
-  const bool has_holes = string.size() > 1 && median_of(dashes) > kDashOfGap * median_of(gaps);
-  if (string.size() > 1 && longest <= kLongestDash && !has_holes && are_periodic(dashes, gaps))
+  if (is_whole && length >= (sequence.size() > 1 ? kShortSolid : kSolid)) return MarkingType::kSolid;
+  const bool has_holes = sequence.size() > 1 && median_of(dashes) > kDashOfGap * median_of(gaps);
+  if (sequence.size() > 1 && longest <= kLongestDash && !has_holes && are_periodic(dashes, gaps))
     return MarkingType::kDashed;
   if (longest >= kSolid) return MarkingType::kSolid;  // no dash, however much of the line is hidden
   if (painted >= 0.6 * length && length >= kShortSolid && has_holes) return MarkingType::kSolid;
-  if (string.size() == 1 && piece.length() < kBlobLength && piece.width > kBlobWidth) return MarkingType::kOther;
+  if (sequence.size() == 1 && piece.length() < kBlobLength && piece.width > kBlobWidth) return MarkingType::kOther;
   return MarkingType::kUnknown;
 }
 
@@ -179,16 +179,16 @@ std::vector<Joint> find_joints(const std::vector<MarkingPiece>& pieces,
 }
 
 /// Follows joints from a free end, each piece in the direction in which it is entered.
-MarkingString follow(std::size_t end, const std::vector<MarkingPiece>& pieces,
+PieceSequence follow(std::size_t end, const std::vector<MarkingPiece>& pieces,
                      const std::vector<std::size_t>& partner) {
-  MarkingString string;
+  PieceSequence sequence;
   for (; end != kFree; end = partner[curb_lines::opposite(end)])
-    string.push_back(is_first(end) ? piece_at(pieces, end) : reversed(piece_at(pieces, end)));
-  return string;
+    sequence.push_back(is_first(end) ? piece_at(pieces, end) : reversed(piece_at(pieces, end)));
+  return sequence;
 }
 
-/// Begin and end of the paint along a string, m, piece by piece, and the samples of all pieces.
-struct LaidOutString {
+/// Begin and end of the paint along a sequence, m, piece by piece, and the samples of all pieces.
+struct LaidOutSequence {
   struct Painted {
     double begin, end;
   };
@@ -196,12 +196,12 @@ struct LaidOutString {
   std::vector<SmoothingSpline::Sample> samples;
 };
 
-LaidOutString lay_out(const MarkingString& string) {
-  LaidOutString laid;
+LaidOutSequence lay_out(const PieceSequence& sequence) {
+  LaidOutSequence laid;
   double offset = 0;
-  for (std::size_t k = 0; k < string.size(); ++k) {
-    const MarkingPiece& piece = string[k];
-    if (k > 0) offset = laid.painted.back().end + (piece.begin_at - string[k - 1].end_at).norm() - piece.begin;
+  for (std::size_t k = 0; k < sequence.size(); ++k) {
+    const MarkingPiece& piece = sequence[k];
+    if (k > 0) offset = laid.painted.back().end + (piece.begin_at - sequence[k - 1].end_at).norm() - piece.begin;
     laid.painted.push_back({offset + piece.begin, offset + piece.end});
     for (SmoothingSpline::Sample sample : piece.samples) {
       sample.s += offset;
@@ -213,7 +213,7 @@ LaidOutString lay_out(const MarkingString& string) {
 
 /// Vertices along the spline: dense on paint, sparse in gaps.
 std::vector<tile::MarkingVertex> vertices_of(const SmoothingSpline& spline,
-                                             const std::vector<LaidOutString::Painted>& painted) {
+                                             const std::vector<LaidOutSequence::Painted>& painted) {
   std::vector<tile::MarkingVertex> vertices;
   const auto add = [&](double s, bool is_painted) {
     // Beyond the samples a line is extended straight.
@@ -253,38 +253,38 @@ float confidence_of(double contrast, float length) {
   return static_cast<float>(squared / (squared + kHalf * kHalf) * (1 - std::exp(-double{length})));
 }
 
-std::vector<MarkingString> join_pieces(const std::vector<MarkingPiece>& pieces,
+std::vector<PieceSequence> join_pieces(const std::vector<MarkingPiece>& pieces,
                                        const std::vector<tile::MarkingLine>& crossings) {
   const std::vector<std::size_t> partner =
       curb_lines::join_shortest_first(pieces.size(), find_joints(pieces, crossings));
-  std::vector<MarkingString> strings;
+  std::vector<PieceSequence> sequences;
   std::vector<bool> is_used(pieces.size());
   for (std::size_t end = 0; end < 2 * pieces.size(); ++end) {
     if (partner[end] != kFree || is_used[curb_lines::piece_of(end)]) continue;
     for (std::size_t on = end; on != kFree; on = partner[curb_lines::opposite(on)])
       is_used[curb_lines::piece_of(on)] = true;
-    strings.push_back(follow(end, pieces, partner));
+    sequences.push_back(follow(end, pieces, partner));
   }
-  return strings;
+  return sequences;
 }
 
-tile::MarkingLine line_of(const MarkingString& string, const tile::DrivenPath& path) {
-  const auto [painted, samples] = lay_out(string);
+tile::MarkingLine line_of(const PieceSequence& sequence, const tile::DrivenPath& path) {
+  const auto [painted, samples] = lay_out(sequence);
   std::vector<double> dashes;
   std::vector<double> gaps;
   std::vector<double> widths;
   double contrast = 0;
   double length = 0;
-  for (std::size_t k = 0; k < string.size(); ++k) {
+  for (std::size_t k = 0; k < sequence.size(); ++k) {
     dashes.push_back(painted[k].end - painted[k].begin);
-    if (k + 1 < string.size()) gaps.push_back(painted[k + 1].begin - painted[k].end);
-    widths.push_back(string[k].width);
-    contrast += string[k].contrast * string[k].length();
-    length += string[k].length();
+    if (k + 1 < sequence.size()) gaps.push_back(painted[k + 1].begin - painted[k].end);
+    widths.push_back(sequence[k].width);
+    contrast += sequence[k].contrast * sequence[k].length();
+    length += sequence[k].length();
   }
   tile::MarkingLine line;
   line.points = vertices_of(SmoothingSpline(samples), painted);
-  line.type = type_of(string, dashes, gaps, path);
+  line.type = type_of(sequence, dashes, gaps, path);
   line.width = static_cast<float>(median_of(widths));
   if (line.type == MarkingType::kDashed) {
     line.dash = static_cast<float>(median_of(dashes));
