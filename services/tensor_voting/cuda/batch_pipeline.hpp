@@ -85,8 +85,8 @@ class BatchPipeline {
   void download(std::vector<kernels::TensorF>& tensors, std::vector<VotedShape>& shapes) {
     Array<kernels::TensorF> all_tensors = machine_.template allocate<kernels::TensorF>(n_);
     Array<VotedShape> all_shapes = machine_.template allocate<VotedShape>(n_);
-    machine_.for_each(n_, HandOut{voter_of_.data(), rank_.data(), tensors_.data(), shapes_.data(), all_tensors.data(),
-                                  all_shapes.data()});
+    machine_.for_each(n_, ScatterResults{voter_of_.data(), rank_.data(), tensors_.data(), shapes_.data(),
+                                         all_tensors.data(), all_shapes.data()});
     tensors.resize(n_);
     shapes.resize(n_);
     machine_.download(all_tensors, n_, tensors.data());

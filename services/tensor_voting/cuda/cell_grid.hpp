@@ -16,7 +16,7 @@ struct CellGrid {
   static constexpr int kBitsX = 23;
   static constexpr int kBitsY = 20;
   static constexpr int kBitsZ = 20;
-  static constexpr std::uint64_t kNobody = std::uint64_t{1} << 63;  ///< keys from here on belong to no cell
+  static constexpr std::uint64_t kNoCell = std::uint64_t{1} << 63;  ///< keys from here on belong to no cell
 
   float radius = 0;          ///< of a vote, in steps
   std::int32_t edge_x = 1;   ///< in steps

@@ -102,7 +102,7 @@ class VotingField {
   /// Exchanges votes between the voter and all voters in near_ within its reach. Returns the number of votes.
   std::int64_t exchange(const kernels::StepPoint& at, float sign, kernels::VoteSums& sums);
   /// Records the votes given to the blocks in near_ since find_near().
-  void book(Neighbourhood& around, std::int64_t sign);
+  void apply_votes(Neighbourhood& around, std::int64_t sign);
   void note_changes(const Neighbourhood& around);
 
   /// The tile, asleep or not; nullptr if it is not in the field.

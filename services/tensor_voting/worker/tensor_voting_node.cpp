@@ -95,7 +95,7 @@ void TensorVotingNode::on(const map_pose_t& message) {
 
 void TensorVotingNode::on(const tile_index_t& message) {
   if (message.channel == kVotedPoints && message.owner != worker_) {
-    workers_.heard(message.owner, now_);
+    workers_.on_heartbeat(message.owner, now_);
     if (message.epoch != epoch_) return;
     // A tile published by another worker need not be published again when this worker becomes its owner.
     for (std::size_t i = 0; i < message.version.size(); ++i) {

@@ -70,7 +70,7 @@ class TensorVotingNode final : public Node {
   [[nodiscard]] bool is_unpublished(TileKey key) const;
   /// A far tile has all its voters: no published neighbour of it was released.
   [[nodiscard]] bool has_neighbours(TileKey key) const;
-  [[nodiscard]] bool may_let_go(TileKey key) const;
+  [[nodiscard]] bool may_release(TileKey key) const;
 
   void advance(std::int64_t now);
   void review(TileKey key);
