@@ -10,7 +10,7 @@
 #include "common/time/clock.hpp"
 #include "services/semantic_map/semantic_messages.hpp"
 #include "services/semantic_map/store/map_store.hpp"
-#include "tests/services/viewer/fake_audience.hpp"
+#include "tests/services/viewer/fake_connections.hpp"
 #include "tests/services/viewer/frame_reader.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tools/command/run_subcommand.hpp"
@@ -66,16 +66,16 @@ TEST_P(SavedMapTest, IsShownWithItsCurbsAndItsPathAndStaysAsItIs) {
   EXPECT_TRUE(is_map_file(file));
 
   LocalBus bus;
-  viewer::FakeAudience audience;
-  viewer::ViewerNode node(viewer::ViewerConfig{}, bus, audience, {.kind = "map", .title = "map.db"});
+  viewer::FakeConnections connections;
+  viewer::ViewerNode node(viewer::ViewerConfig{}, bus, connections, {.kind = "map", .title = "map.db"});
   node.tick(kBegin);
   show_saved_map(file, kBegin, node);
-  audience.events.push_back({1, viewer::web::Audience::Event::Kind::kCame, "", kBegin});
-  audience.events.push_back({1, viewer::web::Audience::Event::Kind::kSaid, R"({"resume": null})", kBegin});
+  connections.events.push_back({1, viewer::web::Connections::Event::Kind::kConnected, "", kBegin});
+  connections.events.push_back({1, viewer::web::Connections::Event::Kind::kMessage, R"({"resume": null})", kBegin});
   node.tick(kBegin + 20'000);
-  ASSERT_EQ(audience.sent.size(), 1U);
+  ASSERT_EQ(connections.sent.size(), 1U);
   viewer::FrameReader page;
-  page.read(*audience.sent[0].second);
+  page.read(*connections.sent[0].second);
   EXPECT_EQ(page.tiles.size(), 3U);
   EXPECT_EQ(page.tiles.at({2, 0}).cell_class[7], static_cast<std::uint8_t>(CellClass::kRoad));
   EXPECT_EQ(page.curbs.size(), 1U);

@@ -14,7 +14,7 @@ import { World } from "../world";
 const kReach = 6;             // times the eye's distance
 const kMaxNets = 600;         // bound of the kept ones
 const kMaxFaces = 16_383;     // per square, for 16 bit indices
-const kCoarseNet = 5;         // in haste, every fifth point of a mesh
+const kCoarseNet = 5;         // in draft mode, every fifth point of a mesh
 const kFineCell = 1, kCoarseCell = 0.5;  // pixels per cell from which boxes are drawn
 
 /// What a machine can draw in time.
@@ -59,8 +59,8 @@ export class Relief {
   markingsChanged(): void { this.strips.points = kOther; }
 
   /// `style` sets the uniforms of kPicture; `paint` brings a page's picture up to date; `isPlain`: not coloured by age
-  /// and not grey; `curbs`, `markings`: their colours, or null; `isHasty`: coarser.
-  draw(camera: Camera, style: (program: Program) => void, paint: (page: Page) => void, cells: boolean, isPlain: boolean, curbs: number[] | null, markings: number[] | null, grey: number, isHasty: boolean): void {
+  /// and not grey; `curbs`, `markings`: their colours, or null; `isDraft`: coarser.
+  draw(camera: Camera, style: (program: Program) => void, paint: (page: Page) => void, cells: boolean, isPlain: boolean, curbs: number[] | null, markings: number[] | null, grey: number, isDraft: boolean): void {
     const { gl } = this, toClip = camera.matrix();
     ++this.picture;
     gl.enable(gl.DEPTH_TEST);
@@ -75,7 +75,7 @@ export class Relief {
       };
       const net = isPlain ? this.net.plain : this.net.any;
       use(net);
-      this.eachPage(net, seen, ({ square }) => this.drawNet(square, isHasty ? this.nets.coarse : this.nets.fine));
+      this.eachPage(net, seen, ({ square }) => this.drawNet(square, isDraft ? this.nets.coarse : this.nets.fine));
       use(this.block);
       gl.enable(gl.CULL_FACE);
       let left = this.budget.faces;

@@ -3,7 +3,7 @@ import { World } from "./world";
 
 const kPatience = 3000;  // ms; a map that still grows may never be complete
 
-export class Arrival {
+export class InitialLoad {
   shown = false;  // whether the view was ever moved to the map
   // For tests/services/viewer/page, until the whole map is drawn or kPatience ends: how often a part of the map was
   // drawn, and how often it was requested.

@@ -15,23 +15,23 @@ using PageId = std::uint64_t;
 using Frame = std::shared_ptr<const std::vector<std::uint8_t>>;
 
 /// The connected pages. All calls come from one thread.
-class Audience {
+class Connections {
  public:
   struct Event {
-    enum class Kind { kCame, kSaid, kLeft };
+    enum class Kind { kConnected, kMessage, kDisconnected };
     PageId page = 0;
-    Kind kind = Kind::kCame;
+    Kind kind = Kind::kConnected;
     std::string text;     ///< what the page sent; not validated
     std::int64_t at = 0;  ///< us since the Unix epoch
   };
 
-  virtual ~Audience() = default;
+  virtual ~Connections() = default;
   /// What happened since the last call, in order.
   [[nodiscard]] virtual std::vector<Event> take_events() = 0;
   /// Sends a binary message. Does nothing if the page has left.
   virtual void send(PageId page, Frame frame) = 0;
   /// Sends a text message.
-  virtual void say(PageId page, std::string text) = 0;
+  virtual void send_text(PageId page, std::string text) = 0;
   /// Bytes queued and not sent yet; 0 for a page that has left.
   [[nodiscard]] virtual std::size_t queued(PageId page) const = 0;
   [[nodiscard]] virtual Counters counters() const = 0;

@@ -6,16 +6,16 @@
 
 #include "common/bus/local_bus.hpp"
 #include "common/log/log_reader.hpp"
-#include "services/viewer/show.hpp"
+#include "services/viewer/foxglove_state.hpp"
 #include "services/viewer/viewer_node.hpp"
 
 namespace curbstone::map_export::mcap {
 
 /// Plays a log to produce the messages that curbstone-viewer would have sent to a Foxglove client during the recording,
 /// at the log's own rate. Memory is that of the viewer, which is bounded. One thread.
-class LogShow {
+class FoxgloveLog {
  public:
-  explicit LogShow(const viewer::ViewerConfig& config);
+  explicit FoxgloveLog(const viewer::ViewerConfig& config);
 
   /// The messages that result from the event, in order.
   [[nodiscard]] std::vector<viewer::foxglove::Message> take(const LogEvent& event);
@@ -23,8 +23,8 @@ class LogShow {
   [[nodiscard]] std::vector<viewer::foxglove::Message> finish();
 
   /// In the order of their first message, as for the channels from kFirstStatus on.
-  [[nodiscard]] const std::vector<viewer::foxglove::StatusBook::Service>& services() const {
-    return show_.status().services();
+  [[nodiscard]] const std::vector<viewer::foxglove::StatusHistory::Service>& services() const {
+    return state_.status().services();
   }
   [[nodiscard]] bool has_map() const { return node_.world().map.size() > 0; }
   /// us since the Unix epoch: the sending time of the last call's messages.
@@ -33,12 +33,12 @@ class LogShow {
   [[nodiscard]] Counters counters() const;
 
  private:
-  /// An audience without pages: a file has none.
-  class NoPages final : public viewer::web::Audience {
+  /// No connections: a file has no pages.
+  class NoPages final : public viewer::web::Connections {
    public:
     std::vector<Event> take_events() override { return {}; }
     void send(viewer::web::PageId, viewer::web::Frame) override {}
-    void say(viewer::web::PageId, std::string) override {}
+    void send_text(viewer::web::PageId, std::string) override {}
     [[nodiscard]] std::size_t queued(viewer::web::PageId) const override { return 0; }
     [[nodiscard]] Counters counters() const override { return {}; }
   };
@@ -48,7 +48,7 @@ class LogShow {
   NoPages pages_;
   LocalBus bus_;
   viewer::ViewerNode node_;
-  viewer::Show show_;
+  viewer::FoxgloveState state_;
   viewer::foxglove::Feed feed_{viewer::foxglove::Feed::For::kFile};
   std::size_t subscribed_services_ = 0;
   std::int64_t now_ = 0;     // us

@@ -16,11 +16,11 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-/// The server that the door stands behind, as the configuration makes it.
+/// The server that the endpoint stands behind, as the configuration makes it.
 class DoorServer : public ::testing::Test {
  protected:
   DoorServer() {
-    settings_ = door_settings(ViewerConfig{});
+    settings_ = endpoint_settings(ViewerConfig{});
     settings_.limits.write = 600ms;
   }
   void start() {
@@ -36,7 +36,7 @@ class DoorServer : public ::testing::Test {
   }
   std::string answer(const std::string& asked) {
     RawClient client(server_->port());
-    client.say(asked);
+    client.send_bytes(asked);
     return hear_until(client, "\r\n\r\n");
   }
   /// What comes until `end` is in it; on a busy machine that takes its time.
@@ -54,7 +54,7 @@ class DoorServer : public ::testing::Test {
     PageId id = 0;
     comes_to([&] {
       for (const auto& event : server_->take_events())
-        if (event.kind == Audience::Event::Kind::kCame) id = event.page;
+        if (event.kind == Connections::Event::Kind::kConnected) id = event.page;
       return id != 0;
     });
     return id;
@@ -110,7 +110,7 @@ TEST_F(DoorServer, CountsWhatAClientHasNotTakenAndEndsOneThatTakesNothing) {
   start();
   RawClient client(server_->port());
   client.shrink_receive_buffer();
-  client.say(request("foxglove.sdk.v1"));
+  client.send_bytes(request("foxglove.sdk.v1"));
   const PageId id = came();
   ASSERT_NE(id, 0U);
   const auto large = std::make_shared<const std::vector<std::uint8_t>>(std::vector<std::uint8_t>(8'000'000));
@@ -125,10 +125,10 @@ TEST_F(DoorServer, CountsWhatAClientHasNotTakenAndEndsOneThatTakesNothing) {
 TEST_F(DoorServer, CountsNothingForAClientThatTakesAll) {
   start();
   RawClient client(server_->port());
-  client.say(request("foxglove.sdk.v1"));
+  client.send_bytes(request("foxglove.sdk.v1"));
   const PageId id = came();
   ASSERT_NE(id, 0U);
-  server_->say(id, "{}");
+  server_->send_text(id, "{}");
   EXPECT_THAT(hear_until(client, "{}"), HasSubstr("\x81\x02{}"));  // a whole text message
   server_->send(id, std::make_shared<const std::vector<std::uint8_t>>(std::vector<std::uint8_t>{7}));
   EXPECT_THAT(hear_until(client, "\x07"), HasSubstr("\x82\x01\x07"));  // a binary one
@@ -138,10 +138,10 @@ TEST_F(DoorServer, CountsNothingForAClientThatTakesAll) {
 TEST_F(DoorServer, EndsAClientThatSaysTooMuchAtOnce) {
   start();
   RawClient client(server_->port());
-  client.say(request("foxglove.sdk.v1"));
+  client.send_bytes(request("foxglove.sdk.v1"));
   ASSERT_NE(came(), 0U);
   client.say_message_head(1'000'000'000'000);
-  client.say(std::string(20'000, 'x'));
+  client.send_bytes(std::string(20'000, 'x'));
   EXPECT_TRUE(client.is_closed_within(10));
   EXPECT_EQ(counted("refused.messages"), 1);
 }
@@ -151,9 +151,9 @@ TEST_F(DoorServer, TakesNoMoreClientsThanPages) {
   start();
   RawClient one(server_->port());
   RawClient two(server_->port());
-  one.say(request("foxglove.sdk.v1"));
+  one.send_bytes(request("foxglove.sdk.v1"));
   EXPECT_THAT(hear_until(one, "\r\n\r\n"), StartsWith("HTTP/1.1 101"));
-  two.say(request("foxglove.sdk.v1"));
+  two.send_bytes(request("foxglove.sdk.v1"));
   EXPECT_THAT(hear_until(two, "\r\n\r\n"), StartsWith("HTTP/1.1 101"));
   EXPECT_THAT(answer(request("foxglove.sdk.v1")), StartsWith("HTTP/1.1 503"));
   EXPECT_EQ(counted("refused.pages"), 1);

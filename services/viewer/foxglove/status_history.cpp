@@ -1,4 +1,4 @@
-#include "services/viewer/foxglove/status_book.hpp"
+#include "services/viewer/foxglove/status_history.hpp"
 
 #include <fmt/format.h>
 #include <foxglove/log.pb.h>
@@ -20,7 +20,7 @@ std::string text_of(const json& value) {
 
 /// Shortened, and valid UTF-8 whatever the bus delivered: protobuf accepts nothing else.
 std::string cleaned(const std::string& text) {
-  return json::parse(text_of(text.substr(0, StatusBook::kMaxText))).get<std::string>();
+  return json::parse(text_of(text.substr(0, StatusHistory::kMaxText))).get<std::string>();
 }
 
 /// Makes a name usable in a plot's path, which needs quotes for any other characters.
@@ -37,15 +37,16 @@ double seconds(std::int64_t us) {
 
 json counters_of(const service_status_t& message) {
   json counters = json::object();
-  const std::size_t n = std::min({message.counter_name.size(), message.counter_value.size(), StatusBook::kMaxCounters});
+  const std::size_t n =
+      std::min({message.counter_name.size(), message.counter_value.size(), StatusHistory::kMaxCounters});
   for (std::size_t i = 0; i < n; ++i)
-    counters[plain(message.counter_name[i].substr(0, StatusBook::kMaxText))] = message.counter_value[i];
+    counters[plain(message.counter_name[i].substr(0, StatusHistory::kMaxText))] = message.counter_value[i];
   return counters;
 }
 
 }  // namespace
 
-bool StatusBook::put(const service_status_t& message) {
+bool StatusHistory::put(const service_status_t& message) {
   const std::string name = cleaned(message.service);
   auto known =
       std::find_if(services_.begin(), services_.end(), [&](const Service& service) { return service.name == name; });
@@ -56,16 +57,16 @@ bool StatusBook::put(const service_status_t& message) {
   Service& service = *known;
   const bool goes_on = service.pid == message.pid && service.uptime < message.uptime;
   if (service.number == 0 || service.pid != message.pid)
-    tell(message, Level::kInfo, name, fmt::format("runs: {}, process {}", cleaned(message.version), message.pid));
+    add_line(message, Level::kInfo, name, fmt::format("runs: {}, process {}", cleaned(message.version), message.pid));
   const double cpu =
       goes_on ? seconds(message.cpu_time - service.cpu_time) / seconds(message.uptime - service.uptime) : 0;
 
   std::set<std::string> faults;
   for (std::size_t i = 0; i < std::min(message.fault.size(), kMaxFaults); ++i) faults.insert(cleaned(message.fault[i]));
   for (const std::string& fault : faults)
-    if (!service.faults.contains(fault)) tell(message, Level::kError, name, fault);
+    if (!service.faults.contains(fault)) add_line(message, Level::kError, name, fault);
   for (const std::string& fault : service.faults)
-    if (!faults.contains(fault)) tell(message, Level::kInfo, name, "no longer: " + fault);
+    if (!faults.contains(fault)) add_line(message, Level::kInfo, name, "no longer: " + fault);
 
   service.json = text_of({{"utime", message.utime},
                           {"host", cleaned(message.host)},
@@ -87,15 +88,15 @@ bool StatusBook::put(const service_status_t& message) {
   return true;
 }
 
-void StatusBook::tell(const service_status_t& message, Level level, const std::string& name, std::string text) {
+void StatusHistory::add_line(const service_status_t& message, Level level, const std::string& name, std::string text) {
   lines_.push_back({++number_, message.utime, level, name, std::move(text)});
   if (lines_.size() > kMaxLines) lines_.pop_front();
 }
 
-std::string log_message(const StatusBook::Line& line) {
+std::string log_message(const StatusHistory::Line& line) {
   ::foxglove::Log log;
   set_time(*log.mutable_timestamp(), line.utime);
-  log.set_level(line.level == StatusBook::Level::kError ? ::foxglove::Log::ERROR : ::foxglove::Log::INFO);
+  log.set_level(line.level == StatusHistory::Level::kError ? ::foxglove::Log::ERROR : ::foxglove::Log::INFO);
   log.set_message(line.text);
   log.set_name(line.name);
   return log.SerializeAsString();

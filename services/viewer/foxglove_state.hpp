@@ -11,24 +11,24 @@ namespace curbstone::viewer {
 
 /// The state that only Foxglove shows, beside that of the node: all counters, a log, the mapper's points. Used live and
 /// for the export of a log. One thread.
-class Show {
+class FoxgloveState {
  public:
   /// Both must outlive this.
-  Show(const ViewerNode& node, const VehicleConfig& vehicle) : node_(node), vehicle_(vehicle) {}
+  FoxgloveState(const ViewerNode& node, const VehicleConfig& vehicle) : node_(node), vehicle_(vehicle) {}
 
   void on(const service_status_t& message);
   void on(const map_points_t& message);
 
   /// Valid until the node or this object takes the next message.
   [[nodiscard]] foxglove::World world() const;
-  [[nodiscard]] const foxglove::StatusBook& status() const { return status_; }
-  /// dropped.status (more processes than StatusBook keeps), refused.map_points.
+  [[nodiscard]] const foxglove::StatusHistory& status() const { return status_; }
+  /// dropped.status (more processes than StatusHistory keeps), refused.map_points.
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
   const ViewerNode& node_;
   const VehicleConfig& vehicle_;
-  foxglove::StatusBook status_;
+  foxglove::StatusHistory status_;
   foxglove::NearPoints points_;
   Counters counters_;
 };

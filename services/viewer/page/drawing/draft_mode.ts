@@ -6,7 +6,7 @@ import { drawsInSoftware } from "./software";
 const kRests = 200;  // ms after the last motion
 const kShare = 0.5;  // share of the screen's pixels, each way
 
-export class Haste {
+export class DraftMode {
   private left: number[] | null = null;  // the view after the last picture
   private moved = -kRests;               // ms
   private timer = 0;
@@ -17,11 +17,11 @@ export class Haste {
   begin(now: number): boolean {
     const { camera, left } = this;
     if (left && placeOf(camera).some((value, i) => value !== left[i])) this.moved = now;
-    const isHasty = camera.isTilted && now - this.moved < kRests && drawsInSoftware();
+    const isDraft = camera.isTilted && now - this.moved < kRests && drawsInSoftware();
     clearTimeout(this.timer);
-    if (isHasty) this.timer = setTimeout(this.redraw, kRests);
-    this.fit((isHasty ? kShare : 1) * Math.min(2, devicePixelRatio || 1));
-    return isHasty;
+    if (isDraft) this.timer = setTimeout(this.redraw, kRests);
+    this.fit((isDraft ? kShare : 1) * Math.min(2, devicePixelRatio || 1));
+    return isDraft;
   }
 
   /// Call it before the page tilts the view by itself, and after the camera followed the vehicle: neither counts as a

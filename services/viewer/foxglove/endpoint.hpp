@@ -7,7 +7,7 @@
 
 #include "common/bus/counters.hpp"
 #include "services/viewer/foxglove/feed.hpp"
-#include "services/viewer/web/audience.hpp"
+#include "services/viewer/web/connections.hpp"
 
 namespace curbstone::viewer::foxglove {
 
@@ -15,7 +15,7 @@ namespace curbstone::viewer::foxglove {
 /// subscribed to, the present state first. Clients cannot command anything. Back-pressure: while kMaxQueued bytes are
 /// queued for a client, no message is made for it; while kMaxQueuedForLarge bytes are queued, or the client is above
 /// kMaxPerSecond, no large message is made. One thread.
-class Door {
+class Endpoint {
  public:
   static constexpr std::size_t kMaxQueued = 4'000'000;
   static constexpr std::size_t kMaxQueuedForLarge = 100'000;
@@ -23,7 +23,7 @@ class Door {
   static constexpr std::size_t kMaxPerSecond = 20'000'000;
 
   /// `clients` must outlive this. `session`: unique for each run of the process.
-  Door(web::Audience& clients, std::string session) : clients_(clients), session_(std::move(session)) {}
+  Endpoint(web::Connections& clients, std::string session) : clients_(clients), session_(std::move(session)) {}
 
   /// Handles the clients' requests and sends the messages that are due. `now`: us since the Unix epoch.
   void tick(const World& world, std::int64_t now);
@@ -43,12 +43,12 @@ class Door {
     std::int64_t large_pause = 0;                          // us after large_sent without another large message
   };
   void serve(web::PageId id, Client& client, const World& world, std::int64_t now);
-  void hear(const web::Audience::Event& event);
-  void hear(web::PageId id, Client& client, const std::string& text);
-  void introduce(web::PageId id, Client& client, const StatusBook& status);
+  void receive(const web::Connections::Event& event);
+  void receive(web::PageId id, Client& client, const std::string& text);
+  void advertise_services(web::PageId id, Client& client, const StatusHistory& status);
   [[nodiscard]] static bool is_known(std::uint32_t channel, const Client& client);
 
-  web::Audience& clients_;
+  web::Connections& clients_;
   std::string session_;
   std::map<web::PageId, Client> known_;
   Counters counters_;

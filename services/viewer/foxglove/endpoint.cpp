@@ -1,4 +1,4 @@
-#include "services/viewer/foxglove/door.hpp"
+#include "services/viewer/foxglove/endpoint.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -10,15 +10,15 @@
 
 namespace curbstone::viewer::foxglove {
 
-void Door::tick(const World& world, std::int64_t now) {
-  for (const web::Audience::Event& event : clients_.take_events()) hear(event);
+void Endpoint::tick(const World& world, std::int64_t now) {
+  for (const web::Connections::Event& event : clients_.take_events()) receive(event);
   for (auto& [id, client] : known_) {
-    introduce(id, client, world.status);
+    advertise_services(id, client, world.status);
     serve(id, client, world, now);
   }
 }
 
-void Door::serve(web::PageId id, Client& client, const World& world, std::int64_t now) {
+void Endpoint::serve(web::PageId id, Client& client, const World& world, std::int64_t now) {
   const std::size_t queued = clients_.queued(id);
   if (queued > kMaxQueued) return;
   const bool takes_large = queued <= kMaxQueuedForLarge && std::abs(now - client.large_sent) >= client.large_pause;
@@ -35,28 +35,28 @@ void Door::serve(web::PageId id, Client& client, const World& world, std::int64_
   client.large_pause = static_cast<std::int64_t>(bytes * 1'000'000 / kMaxPerSecond);
 }
 
-void Door::hear(const web::Audience::Event& event) {
-  using Kind = web::Audience::Event::Kind;
-  if (event.kind == Kind::kCame) {
+void Endpoint::receive(const web::Connections::Event& event) {
+  using Kind = web::Connections::Event::Kind;
+  if (event.kind == Kind::kConnected) {
     known_.try_emplace(event.page);
-    clients_.say(event.page, server_info("Curbstone", session_));
-    clients_.say(event.page, advertise(fixed_channels()));
+    clients_.send_text(event.page, server_info("Curbstone", session_));
+    clients_.send_text(event.page, advertise(fixed_channels()));
   }
-  if (event.kind == Kind::kLeft) known_.erase(event.page);
+  if (event.kind == Kind::kDisconnected) known_.erase(event.page);
   const auto client = known_.find(event.page);
-  if (event.kind == Kind::kSaid && client != known_.end()) hear(event.page, client->second, event.text);
+  if (event.kind == Kind::kMessage && client != known_.end()) receive(event.page, client->second, event.text);
 }
 
-void Door::hear(web::PageId id, Client& client, const std::string& text) {
+void Endpoint::receive(web::PageId id, Client& client, const std::string& text) {
   const auto request = parse_request(text);
   if (!request) {
     counters_.add("refused.foxglove");
-    return clients_.say(id, warning("This server takes subscribe and unsubscribe, and nothing else."));
+    return clients_.send_text(id, warning("This server takes subscribe and unsubscribe, and nothing else."));
   }
   for (const auto& wanted : request->subscribe) {
     if (!is_known(wanted.channel, client)) {
       counters_.add("refused.foxglove");
-      clients_.say(id, warning("There is no channel " + std::to_string(wanted.channel) + "."));
+      clients_.send_text(id, warning("There is no channel " + std::to_string(wanted.channel) + "."));
       continue;
     }
     client.subscriptions[wanted.channel] = wanted.id;
@@ -72,24 +72,24 @@ void Door::hear(web::PageId id, Client& client, const std::string& text) {
 }
 
 /// Advertises the processes first heard since the last call.
-void Door::introduce(web::PageId id, Client& client, const StatusBook& status) {
+void Endpoint::advertise_services(web::PageId id, Client& client, const StatusHistory& status) {
   std::vector<Channel> new_channels;
   for (; client.services < status.services().size(); ++client.services)
     new_channels.push_back(status_channel(client.services, status.services()[client.services].topic));
-  if (!new_channels.empty()) clients_.say(id, advertise(new_channels));
+  if (!new_channels.empty()) clients_.send_text(id, advertise(new_channels));
 }
 
-bool Door::is_known(std::uint32_t channel, const Client& client) {
+bool Endpoint::is_known(std::uint32_t channel, const Client& client) {
   const auto& fixed = fixed_channels();
   return std::any_of(fixed.begin(), fixed.end(), [&](const Channel& known) { return known.id == channel; }) ||
          (channel >= kFirstStatus && channel - kFirstStatus < client.services);
 }
 
-bool Door::wants(Topic topic) const {
+bool Endpoint::wants(Topic topic) const {
   return std::any_of(known_.begin(), known_.end(), [&](const auto& entry) { return entry.second.feed.wants(topic); });
 }
 
-Counters Door::counters() const {
+Counters Endpoint::counters() const {
   Counters counters = counters_;
   set_level(counters, "foxglove.clients", static_cast<std::int64_t>(known_.size()));
   const Counters connections = clients_.counters();

@@ -11,7 +11,7 @@ namespace curbstone::viewer::foxglove {
 
 /// The status of all processes, for plots and for a log: the last SERVICE_STATUS of each as JSON, and a log line
 /// whenever a process starts and whenever a fault begins or ends. Bounded. Pure; one thread.
-class StatusBook {
+class StatusHistory {
  public:
   static constexpr std::size_t kMaxServices = 64;
   static constexpr std::size_t kMaxLines = 256;     ///< the newest ones
@@ -47,7 +47,7 @@ class StatusBook {
   [[nodiscard]] const std::deque<Line>& lines() const { return lines_; }
 
  private:
-  void tell(const service_status_t& message, Level level, const std::string& name, std::string text);
+  void add_line(const service_status_t& message, Level level, const std::string& name, std::string text);
 
   std::vector<Service> services_;
   std::deque<Line> lines_;
@@ -55,6 +55,6 @@ class StatusBook {
 };
 
 /// foxglove.Log, as protobuf.
-[[nodiscard]] std::string log_message(const StatusBook::Line& line);
+[[nodiscard]] std::string log_message(const StatusHistory::Line& line);
 
 }  // namespace curbstone::viewer::foxglove

@@ -1,4 +1,4 @@
-#include "services/viewer/foxglove/door.hpp"
+#include "services/viewer/foxglove/endpoint.hpp"
 
 #include <foxglove/frames.pb.h>
 #include <foxglove/scene.pb.h>
@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/services/viewer/fake_audience.hpp"
+#include "tests/services/viewer/fake_connections.hpp"
 #include "tests/services/viewer/tiles.hpp"
 
 namespace curbstone::viewer::foxglove {
@@ -31,10 +31,10 @@ curb_lines_t curb_at(float x) {
   return message;
 }
 
-/// A small world that a test changes, and a client of a door.
-class DoorTest : public ::testing::Test {
+/// A small world that a test changes, and a client of an endpoint.
+class EndpointTest : public ::testing::Test {
  protected:
-  DoorTest() {
+  EndpointTest() {
     map_pose_t pose{};
     pose.utime = 5;
     pose.map_base_position[0] = 10;
@@ -43,15 +43,15 @@ class DoorTest : public ::testing::Test {
     pose_ = pose;
     map_.put({1, 1}, draw_cells(random_, 1));
     path_.put({1, 0, 0, 0});
-    events(web::Audience::Event::Kind::kCame);
+    events(web::Connections::Event::Kind::kConnected);
     tick(0);
   }
-  void events(web::Audience::Event::Kind kind, const std::string& text = "") {
-    audience_.events.push_back({1, kind, text, 0});
+  void events(web::Connections::Event::Kind kind, const std::string& text = "") {
+    connections_.events.push_back({1, kind, text, 0});
   }
-  void say(const std::string& text) { events(web::Audience::Event::Kind::kSaid, text); }
+  void send_text(const std::string& text) { events(web::Connections::Event::Kind::kMessage, text); }
   void subscribe(std::uint32_t id, std::uint32_t channel) {
-    say(json({{"op", "subscribe"}, {"subscriptions", {{{"id", id}, {"channelId", channel}}}}}).dump());
+    send_text(json({{"op", "subscribe"}, {"subscriptions", {{{"id", id}, {"channelId", channel}}}}}).dump());
   }
   void tick(double seconds) {
     steps_.close(map_);
@@ -71,32 +71,32 @@ class DoorTest : public ::testing::Test {
                       .vehicle = vehicle_,
                       .status = status_,
                       .points = points_};
-    door_.tick(world, kBegin + static_cast<std::int64_t>(seconds * 1e6));
+    endpoint_.tick(world, kBegin + static_cast<std::int64_t>(seconds * 1e6));
   }
   /// Ids of the subscriptions that were served since the last call.
   std::vector<int> served() {
     std::vector<int> ids;
-    for (const auto& [page, frame] : audience_.sent) {
+    for (const auto& [page, frame] : connections_.sent) {
       EXPECT_EQ(frame->at(0), 1);
       ids.push_back(frame->at(1));
     }
-    last_ = audience_.sent.empty()
+    last_ = connections_.sent.empty()
                 ? ""
-                : std::string(audience_.sent.back().second->begin() + 13, audience_.sent.back().second->end());
-    audience_.sent.clear();
+                : std::string(connections_.sent.back().second->begin() + 13, connections_.sent.back().second->end());
+    connections_.sent.clear();
     return ids;
   }
   std::vector<std::string> received() {
     std::vector<std::string> ops;
-    for (const auto& [page, text] : audience_.said) ops.push_back(json::parse(text)["op"]);
-    last_text_ = audience_.said.empty() ? "" : audience_.said.back().second;
-    audience_.said.clear();
+    for (const auto& [page, text] : connections_.texts) ops.push_back(json::parse(text)["op"]);
+    last_text_ = connections_.texts.empty() ? "" : connections_.texts.back().second;
+    connections_.texts.clear();
     return ops;
   }
 
   static constexpr std::int64_t kBegin = 1'700'000'000'000'000;
   std::mt19937 random_{1};
-  FakeAudience audience_;
+  FakeConnections connections_;
   store::LiveMap map_;
   frames::TileSteps steps_;
   store::CurbLines curbs_;
@@ -106,14 +106,14 @@ class DoorTest : public ::testing::Test {
   std::uint64_t scan_number_ = 0;
   std::optional<map_pose_t> pose_;
   VehicleConfig vehicle_;
-  StatusBook status_;
+  StatusHistory status_;
   NearPoints points_;
-  Door door_{audience_, "17"};
+  Endpoint endpoint_{connections_, "17"};
   std::string last_;
   std::string last_text_;
 };
 
-TEST_F(DoorTest, TellsAClientWhatThereIs) {
+TEST_F(EndpointTest, TellsAClientWhatThereIs) {
   EXPECT_THAT(received(), ElementsAre("serverInfo", "advertise"));
   const json channels = json::parse(last_text_)["channels"];
   ASSERT_EQ(channels.size(), 10U);
@@ -123,7 +123,7 @@ TEST_F(DoorTest, TellsAClientWhatThereIs) {
   EXPECT_TRUE(served().empty()) << "nothing goes unasked";
 }
 
-TEST_F(DoorTest, TellsOfAProcessThatIsHeardLater) {
+TEST_F(EndpointTest, TellsOfAProcessThatIsHeardLater) {
   received();
   service_status_t message{};
   message.service = "lidar";
@@ -139,7 +139,7 @@ TEST_F(DoorTest, TellsOfAProcessThatIsHeardLater) {
   EXPECT_TRUE(served().empty());
 }
 
-TEST_F(DoorTest, SendsTheStateOnSubscribingAndThenWhatChanges) {
+TEST_F(EndpointTest, SendsTheStateOnSubscribingAndThenWhatChanges) {
   subscribe(21, kTransforms);
   tick(1);
   EXPECT_THAT(served(), ElementsAre(21));
@@ -161,7 +161,7 @@ TEST_F(DoorTest, SendsTheStateOnSubscribingAndThenWhatChanges) {
   EXPECT_THAT(served(), ElementsAre(22)) << "again, as it asked again";
 }
 
-TEST_F(DoorTest, SendsTheWindowTwiceASecondAndTheWholeMapEachTenSecondsIfTheyChange) {
+TEST_F(EndpointTest, SendsTheWindowTwiceASecondAndTheWholeMapEachTenSecondsIfTheyChange) {
   subscribe(1, kMapWindow);
   subscribe(2, kMapWhole);
   std::vector<int> windows;
@@ -181,7 +181,7 @@ TEST_F(DoorTest, SendsTheWindowTwiceASecondAndTheWholeMapEachTenSecondsIfTheyCha
   EXPECT_LE(served().size(), 2U) << "nothing changes, nothing goes";
 }
 
-TEST_F(DoorTest, SendsCurbsAsAWholeOnceAndThenTheNewOnes) {
+TEST_F(EndpointTest, SendsCurbsAsAWholeOnceAndThenTheNewOnes) {
   curbs_.put(curb_at(50));
   subscribe(5, kCurbs);
   tick(1);
@@ -197,60 +197,60 @@ TEST_F(DoorTest, SendsCurbsAsAWholeOnceAndThenTheNewOnes) {
   EXPECT_EQ(scene.deletions_size(), 0);
 }
 
-TEST_F(DoorTest, SendsNothingLargeToAClientThatIsSlowAndNothingAtAllToOneThatStopped) {
+TEST_F(EndpointTest, SendsNothingLargeToAClientThatIsSlowAndNothingAtAllToOneThatStopped) {
   subscribe(1, kMapWindow);
   subscribe(2, kPose);
-  audience_.waiting = Door::kMaxQueuedForLarge + 1;
+  connections_.waiting = Endpoint::kMaxQueuedForLarge + 1;
   tick(1);
   EXPECT_THAT(served(), ElementsAre(2));
-  audience_.waiting = Door::kMaxQueued + 1;
+  connections_.waiting = Endpoint::kMaxQueued + 1;
   pose_->utime = 6;
   tick(2);
   EXPECT_TRUE(served().empty());
-  audience_.waiting = 0;
+  connections_.waiting = 0;
   pose_->utime = 7;
   tick(3);
   EXPECT_THAT(served(), ElementsAre(2, 1)) << "the newest of each, and not what was missed";
 }
 
-TEST_F(DoorTest, SendsNoMoreThanSoMuchASecondToAClientThatSubscribesAgainAndAgain) {
+TEST_F(EndpointTest, SendsNoMoreThanSoMuchASecondToAClientThatSubscribesAgainAndAgain) {
   std::size_t bytes = 0;
   for (int k = 0; k < 500; ++k) {  // 10 s
     subscribe(1, kMapWindow);
     tick(1 + 0.02 * k);
-    for (const auto& [page, frame] : audience_.sent) bytes += frame->size();
-    audience_.sent.clear();
+    for (const auto& [page, frame] : connections_.sent) bytes += frame->size();
+    connections_.sent.clear();
   }
-  EXPECT_LE(bytes, 11 * Door::kMaxPerSecond);
-  EXPECT_GT(bytes, 5 * Door::kMaxPerSecond);
+  EXPECT_LE(bytes, 11 * Endpoint::kMaxPerSecond);
+  EXPECT_GT(bytes, 5 * Endpoint::kMaxPerSecond);
 }
 
-TEST_F(DoorTest, StopsWhenToldTo) {
+TEST_F(EndpointTest, StopsWhenToldTo) {
   subscribe(2, kPose);
   tick(1);
-  EXPECT_TRUE(door_.wants(kPose));
-  say(R"({"op":"unsubscribe","subscriptionIds":[2,77]})");
+  EXPECT_TRUE(endpoint_.wants(kPose));
+  send_text(R"({"op":"unsubscribe","subscriptionIds":[2,77]})");
   pose_->utime = 6;
   tick(2);
   EXPECT_THAT(served(), ElementsAre(2));
-  EXPECT_FALSE(door_.wants(kPose));
+  EXPECT_FALSE(endpoint_.wants(kPose));
 }
 
-TEST_F(DoorTest, AnswersNonsenseWithAWordAndGoesOn) {
+TEST_F(EndpointTest, AnswersNonsenseWithAWordAndGoesOn) {
   received();
   for (const char* text :
        {"hello", R"({"op":"setParameters"})", R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":77}]})"})
-    say(text);
-  say(json({{"op", "subscribe"}, {"subscriptions", {{{"id", 1}, {"channelId", kFirstStatus}}}}}).dump());
+    send_text(text);
+  send_text(json({{"op", "subscribe"}, {"subscriptions", {{{"id", 1}, {"channelId", kFirstStatus}}}}}).dump());
   tick(1);
   EXPECT_THAT(received(), ElementsAre("status", "status", "status", "status"));
-  EXPECT_EQ(door_.counters()["refused.foxglove"], 4);
+  EXPECT_EQ(endpoint_.counters()["refused.foxglove"], 4);
   subscribe(2, kPose);
   tick(2);
   EXPECT_THAT(served(), ElementsAre(2));
-  events(web::Audience::Event::Kind::kLeft);
+  events(web::Connections::Event::Kind::kDisconnected);
   tick(3);
-  EXPECT_EQ(door_.counters()["foxglove.clients"], 0);
+  EXPECT_EQ(endpoint_.counters()["foxglove.clients"], 0);
 }
 
 }  // namespace

@@ -4,22 +4,22 @@
 #include <utility>
 #include <vector>
 
-#include "services/viewer/web/audience.hpp"
+#include "services/viewer/web/connections.hpp"
 
 namespace curbstone::viewer {
 
 /// Pages without a browser: `events` is what they say next, `sent` what they were sent.
-class FakeAudience final : public web::Audience {
+class FakeConnections final : public web::Connections {
  public:
   std::vector<Event> take_events() override { return std::exchange(events, {}); }
   void send(web::PageId page, web::Frame frame) override { sent.emplace_back(page, std::move(frame)); }
-  void say(web::PageId page, std::string text) override { said.emplace_back(page, std::move(text)); }
+  void send_text(web::PageId page, std::string text) override { texts.emplace_back(page, std::move(text)); }
   [[nodiscard]] std::size_t queued(web::PageId) const override { return waiting; }
   [[nodiscard]] Counters counters() const override { return {}; }
 
   std::vector<Event> events;
   std::vector<std::pair<web::PageId, web::Frame>> sent;
-  std::vector<std::pair<web::PageId, std::string>> said;
+  std::vector<std::pair<web::PageId, std::string>> texts;
   std::size_t waiting = 0;
 };
 
