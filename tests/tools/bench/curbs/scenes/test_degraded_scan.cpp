@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tools/bench/curbs/scenes/worse_scan.hpp"
+#include "tools/bench/curbs/scenes/degraded_scan.hpp"
 
 namespace curbstone::bench::curbs::scenes {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/bench/timing/timed_in_turn.hpp"
+#include "tools/bench/timing/interleaved_timing.hpp"
 
 #include <benchmark/benchmark.h>
 

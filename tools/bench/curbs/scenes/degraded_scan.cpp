@@ -1,4 +1,4 @@
-#include "tools/bench/curbs/scenes/worse_scan.hpp"
+#include "tools/bench/curbs/scenes/degraded_scan.hpp"
 
 #include <cmath>
 #include <numbers>
