@@ -10,7 +10,7 @@ namespace curbstone {
 namespace {
 
 constexpr std::string_view kShared = "vehicle";  // at the top level of the file, for every process
-constexpr std::size_t kMostPlaces = 3;           // named in the message
+constexpr std::size_t kMaxPlaces = 3;            // named in the message
 
 int edit_distance(std::string_view a, std::string_view b) {
   std::vector<int> row(b.size() + 1);
@@ -63,7 +63,7 @@ std::string unknown_key(const std::string& key, const std::vector<std::string>& 
                         AnyConfig& config) {
   PlacesOfKey places(key, root);
   config.visit(places);
-  if (places.found().empty() || places.found().size() > kMostPlaces) return unknown_key(key, known);
+  if (places.found().empty() || places.found().size() > kMaxPlaces) return unknown_key(key, known);
   return fmt::format("unknown key; did you mean {}?", fmt::join(places.found(), " or "));
 }
 

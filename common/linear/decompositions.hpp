@@ -13,8 +13,8 @@
 namespace curbstone {
 
 /// All sizes up to six rows are decomposed as matrices of this size.
-constexpr int kMostRows = 6;
-using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostRows, kMostRows>;
+constexpr int kMaxRows = 6;
+using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxRows, kMaxRows>;
 
 template <int N>
 using SquareMatrix = Eigen::Matrix<double, N, N>;

@@ -34,7 +34,7 @@ namespace curbstone {
 /// window, the clock of the vehicle was set: events logged before the step then precede those logged after it.
 class MessageOrder {
  public:
-  static constexpr std::size_t kMostWaiting = 65'536;  ///< bound for a log whose record times stand still
+  static constexpr std::size_t kMaxWaiting = 65'536;  ///< bound for a log whose record times stand still
 
   explicit MessageOrder(std::int64_t window_us = 200'000) : window_us_(window_us) {}
 
@@ -49,7 +49,7 @@ class MessageOrder {
   [[nodiscard]] std::optional<LogEvent> pop(bool drain) {
     if (waiting_.empty()) return std::nullopt;
     const bool may_be_preceded = waiting_.top().clock == clock_ && waiting_.top().elapsed + window_us_ > elapsed_ &&
-                                 waiting_.size() <= kMostWaiting;
+                                 waiting_.size() <= kMaxWaiting;
     if (!drain && may_be_preceded) return std::nullopt;
     LogEvent event = waiting_.top().event;
     waiting_.pop();

@@ -20,15 +20,15 @@ struct LogRecord {
   [[nodiscard]] std::int64_t end() const { return begin + kHeader + channel_size + data_size; }
 
   /// The number of record numbers between this record's and that of `later`; 0 if a damaged number makes it negative or
-  /// more than kMostMissing.
+  /// more than kMaxMissing.
   [[nodiscard]] std::int64_t missing_until(const LogRecord& later) const {
     const std::uint64_t steps = static_cast<std::uint64_t>(later.number) - static_cast<std::uint64_t>(number);
-    return steps >= 1 && steps <= kMostMissing ? static_cast<std::int64_t>(steps) - 1 : 0;
+    return steps >= 1 && steps <= kMaxMissing ? static_cast<std::int64_t>(steps) - 1 : 0;
   }
   [[nodiscard]] bool is_followed_by(const LogRecord& next) const {
     return static_cast<std::uint64_t>(next.number) - static_cast<std::uint64_t>(number) == 1;
   }
-  static constexpr std::uint64_t kMostMissing = std::uint64_t{1} << 31;
+  static constexpr std::uint64_t kMaxMissing = std::uint64_t{1} << 31;
 };
 
 /// Finds the records of a log, damaged or not. A record has no checksum; it is accepted if it is plausible by itself

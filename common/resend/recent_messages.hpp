@@ -34,7 +34,7 @@ class RecentMessages {
  public:
   static constexpr int kAtOnce = 30;                    ///< messages a tick of 20 ms: twice what a LiDAR sends
   static constexpr std::size_t kBytesAtOnce = 180'000;  ///< a tick
-  static constexpr std::size_t kMostAsking = 8;         ///< listeners answered at a time
+  static constexpr std::size_t kMaxListeners = 8;       ///< listeners answered at a time
 
   RecentMessages(Publisher& bus, std::string channel, KeepLimits limits = {})
       : bus_(bus), channel_(std::move(channel)), limits_(limits) {}
@@ -51,7 +51,7 @@ class RecentMessages {
   void request(const resend_request_t& message) {
     if (message.channel != channel_) return;
     std::erase_if(wanted_, [&](const Wanted& wanted) { return wanted.requester == message.requester; });
-    if (message.after >= message.before || wanted_.size() >= kMostAsking) return;
+    if (message.after >= message.before || wanted_.size() >= kMaxListeners) return;
     wanted_.push_back({message.requester, message.after, message.before});
     send();
   }

@@ -16,7 +16,7 @@ void ResendClient::ask(std::int64_t now, const std::optional<MissingMessages>& m
   const bool is_coming = !is_new && (missing->after != asked_.after || missing->before != asked_.before);
   asked_ = *missing;
   if (is_coming) asked_at_ = now;
-  if (!is_new && std::abs(now - asked_at_) < kAskAgain) return;
+  if (!is_new && std::abs(now - asked_at_) < kRetryAfter) return;
   asked_at_ = now;
   resend_request_t request;
   request.utime = now;

@@ -22,21 +22,21 @@ struct MissingMessages {
 class ResendClient {
  public:
   static constexpr int kPatience = 3;
-  static constexpr std::int64_t kAskAgain = 200'000;        ///< us without an answer
-  static constexpr std::int64_t kDeafFor = 60'000'000;      ///< us of message time
-  static constexpr std::int64_t kMostMissing = 10'000'000;  ///< us: no sender keeps more than this
+  static constexpr std::int64_t kRetryAfter = 200'000;     ///< us without an answer
+  static constexpr std::int64_t kBackOff = 60'000'000;     ///< us of message time
+  static constexpr std::int64_t kMaxMissing = 10'000'000;  ///< us: no sender keeps more than this
 
   ResendClient(Publisher& bus, std::string requester, std::string channel)
       : bus_(bus), requester_(std::move(requester)), channel_(std::move(channel)) {}
 
   /// The waiting time to add for this tick, us, from the `now` of this tick and of the one before (0: none). A process
   /// that was stopped sees seconds between two ticks, and the answer may be among messages that it has not handled yet:
-  /// a tick counts for at most kMostATick. In a replay ticks are far apart in message time.
+  /// a tick counts for at most kMaxPerTick. In a replay ticks are far apart in message time.
   [[nodiscard]] static std::int64_t waited(std::int64_t now, std::int64_t before) {
-    return before == 0 ? kTick : std::clamp(now - before, kTick, kMostATick);
+    return before == 0 ? kTick : std::clamp(now - before, kTick, kMaxPerTick);
   }
-  static constexpr std::int64_t kTick = 20'000;        ///< us: the minimum, also if the clock stands still
-  static constexpr std::int64_t kMostATick = 500'000;  ///< us
+  static constexpr std::int64_t kTick = 20'000;         ///< us: the minimum, also if the clock stands still
+  static constexpr std::int64_t kMaxPerTick = 500'000;  ///< us
 
   /// Call each tick with the present gap. `now`, us, is used for pacing only.
   void ask(std::int64_t now, const std::optional<MissingMessages>& missing);
@@ -49,7 +49,7 @@ class ResendClient {
     gave_up_at_ = utime;
   }
   [[nodiscard]] bool is_deaf(std::int64_t utime) const {
-    return unanswered_ >= kPatience && utime >= gave_up_at_ && utime - gave_up_at_ < kDeafFor;
+    return unanswered_ >= kPatience && utime >= gave_up_at_ && utime - gave_up_at_ < kBackOff;
   }
 
  private:

@@ -52,7 +52,8 @@ void run(service_config_t config, const std::string& url, const std::string& has
   const std::unique_ptr<Node> node = make(context);
   node->connect(bus);
   StatusReporter status(config.service, hash);
-  bus.subscribe<service_status_t>("SERVICE_STATUS", [&status](const service_status_t& m) { status.hear(m); }, {100});
+  bus.subscribe<service_status_t>("SERVICE_STATUS", [&status](const service_status_t& m) { status.on_status(m); },
+                                  {100});
   const auto publish_config = [&] {
     config.utime = wall_clock();
     bus.publish("CONFIG", config);

@@ -88,7 +88,7 @@ void StatusReporter::publish(Publisher& bus, const Counters& bus_counters, const
   if (const auto step = clock_step_.recent())
     status_.fault.push_back(
         fmt::format("the clock of this host was set by {:+.0f} ms", static_cast<double>(*step) * 1e-3));
-  if (const auto namesake = namesake_.fault(status_.utime)) status_.fault.push_back(*namesake);
+  if (const auto duplicate = duplicate_.fault(status_.utime)) status_.fault.push_back(*duplicate);
   status_.num_faults = static_cast<std::int32_t>(status_.fault.size());
   bus.publish("SERVICE_STATUS", status_);
   reported_ = kinds_of(report.faults);

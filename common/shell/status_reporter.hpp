@@ -8,8 +8,8 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/node.hpp"
+#include "common/shell/duplicate_process.hpp"
 #include "common/shell/fault_lines.hpp"
-#include "common/shell/namesake.hpp"
 #include "common/time/clock.hpp"
 #include "common/time/clock_step.hpp"
 
@@ -35,7 +35,7 @@ class StatusReporter {
   /// a process that waits for a service need not wait for the next second.
   [[nodiscard]] bool faults_changed(const NodeReport& report) const;
   /// Takes any SERVICE_STATUS on the bus.
-  void hear(const service_status_t& message) { namesake_.hear(message, status_, clocks_.wall()); }
+  void on_status(const service_status_t& message) { duplicate_.on_status(message, status_, clocks_.wall()); }
   void publish(Publisher& bus, const Counters& bus_counters, const NodeReport& report);
 
  private:
@@ -44,7 +44,7 @@ class StatusReporter {
   std::vector<std::string> reported_;  // the node's faults, without their numbers
   FaultLines fault_lines_;
   ClockStep clock_step_;
-  Namesake namesake_;
+  DuplicateProcess duplicate_;
   std::int64_t start_;  // us
 };
 

@@ -13,11 +13,11 @@ void DriveFollower::start_epoch(std::int32_t epoch) {
 }
 
 bool DriveFollower::add(std::int64_t utime) {
-  if (num_poses_ >= kMostPoses) return false;
+  if (num_poses_ >= kMaxPoses) return false;
   const TileKey key = drive_page(utime);
   std::vector<std::int64_t>& page = poses_[key];
   const auto at = std::lower_bound(page.begin(), page.end(), utime);
-  if ((at != page.end() && *at == utime) || page.size() >= kMostPosesOfPage) return false;
+  if ((at != page.end() && *at == utime) || page.size() >= kMaxPosesPerPage) return false;
   page.insert(at, utime);
   ++num_poses_;
   pages_.set_have(key, static_cast<std::int32_t>(page.size()));
@@ -25,7 +25,7 @@ bool DriveFollower::add(std::int64_t utime) {
 }
 
 void DriveFollower::announced(const tile_index_t& message) {
-  if (pages_.behind() < kMostBehind && num_poses_ < kMostPoses) pages_.announced(message);
+  if (pages_.behind() < kMaxBehind && num_poses_ < kMaxPoses) pages_.announced(message);
 }
 
 std::optional<std::string> DriveFollower::fault() const {

@@ -18,9 +18,9 @@ namespace curbstone {
 /// Pure; one thread.
 class DriveFollower {
  public:
-  static constexpr std::size_t kMostPoses = 2'000'000;  ///< a day at 20 Hz, 16 MB; further poses are ignored
-  static constexpr std::size_t kMostBehind = 20'000;    ///< pages: two days
-  static constexpr std::size_t kPagesAtOnce = 4;        ///< asked for in one request
+  static constexpr std::size_t kMaxPoses = 2'000'000;  ///< a day at 20 Hz, 16 MB; further poses are ignored
+  static constexpr std::size_t kMaxBehind = 20'000;    ///< pages: two days
+  static constexpr std::size_t kPagesAtOnce = 4;       ///< asked for in one request
 
   explicit DriveFollower(std::string requester) : pages_(std::move(requester), kDriveChannel) {}
 

@@ -21,6 +21,6 @@ inline constexpr std::int32_t kPageAgain = -1;          ///< map_trajectory_t.pa
   return {static_cast<std::int32_t>(utime / kDrivePage), 0};
 }
 
-inline constexpr std::size_t kMostPosesOfPage = 800;  ///< 42 kB: one message; further poses are not repeated
+inline constexpr std::size_t kMaxPosesPerPage = 800;  ///< 42 kB: one message; further poses are not repeated
 
 }  // namespace curbstone

@@ -8,7 +8,7 @@ bool EpochFollower::is_ahead(std::int32_t epoch, std::int64_t now) {
   return std::int64_t{epoch} * 1'000'000 > now + kAhead;
 }
 
-EpochFollower::Verdict EpochFollower::hear(std::int32_t epoch, Source source, std::int64_t now) {
+EpochFollower::Verdict EpochFollower::observe(std::int32_t epoch, Source source, std::int64_t now) {
   if (epoch_ && epoch == *epoch_) {
     strangers_ = 0;
     if (source == Source::kMapper) candidate_.reset();

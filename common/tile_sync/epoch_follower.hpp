@@ -35,7 +35,7 @@ class EpochFollower {
   static constexpr std::int64_t kFaultFor = 10'000'000;  ///< us
 
   /// A message names `epoch` at `now`, us of message time.
-  Verdict hear(std::int32_t epoch, Source source, std::int64_t now);
+  Verdict observe(std::int32_t epoch, Source source, std::int64_t now);
 
   [[nodiscard]] std::optional<std::int32_t> epoch() const { return epoch_; }
   /// A fault in words if candidates or strangers persist: kFollowAfter messages in a row that are not of the present

@@ -10,13 +10,13 @@
 namespace curbstone {
 
 /// Stamp minus arrival time of a driver's samples, second by second: that of the least delayed sample of each second.
-/// It is about zero, and at least minus the latency of the device and its line. Beyond kMost either the stamps are of a
-/// clock other than the host's present one (the host's clock was set, and ClockOffset follows within seconds), or no
-/// sample arrived punctually for a whole second. Pure; all times in us.
+/// It is about zero, and at least minus the latency of the device and its line. Beyond kMaxDifference either the stamps
+/// are of a clock other than the host's present one (the host's clock was set, and ClockOffset follows within seconds),
+/// or no sample arrived punctually for a whole second. Pure; all times in us.
 class ArrivalGap {
  public:
-  static constexpr std::int64_t kMost = 50'000;       ///< us; more is a fault
-  static constexpr std::int64_t kPeriod = 1'000'000;  ///< us, of arrivals
+  static constexpr std::int64_t kMaxDifference = 50'000;  ///< us; more is a fault
+  static constexpr std::int64_t kPeriod = 1'000'000;      ///< us, of arrivals
 
   void add(std::int64_t stamp, std::int64_t received) {
     if (std::abs(received - begun_) >= kPeriod) {
@@ -31,7 +31,7 @@ class ArrivalGap {
   [[nodiscard]] std::optional<std::int64_t> difference() const { return difference_; }
   /// A fault in words while the difference is too large.
   [[nodiscard]] std::optional<std::string> fault() const {
-    if (!difference_ || std::abs(*difference_) <= kMost) return std::nullopt;
+    if (!difference_ || std::abs(*difference_) <= kMaxDifference) return std::nullopt;
     return "stamps lie " + std::to_string(-*difference_ / 1000) +
            " ms before the arrivals: the host's clock was set, or this process waits for the CPU";
   }

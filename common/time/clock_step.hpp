@@ -11,7 +11,7 @@ namespace curbstone {
 /// slept. Pure; all times in us. Call read() once a second or more often.
 class ClockStep {
  public:
-  static constexpr std::int64_t kLeast = 50'000;           ///< us between two readings; less is no step
+  static constexpr std::int64_t kMinStep = 50'000;         ///< us between two readings; less is no step
   static constexpr std::int64_t kRemembered = 60'000'000;  ///< us for which a step is reported
 
   /// The wall clock, and the steady clock before and after it was read: the process may have had to wait in between. A
@@ -19,7 +19,7 @@ class ClockStep {
   void read(std::int64_t steady_before, std::int64_t wall, std::int64_t steady_after) {
     if (steady_after - steady_before > kWorst) return;
     const std::int64_t difference = wall - steady_after;
-    if (difference_ && std::abs(difference - *difference_) > kLeast) {
+    if (difference_ && std::abs(difference - *difference_) > kMinStep) {
       ++steps_;
       step_ = difference - *difference_;
       stepped_ = steady_after;

@@ -17,7 +17,7 @@ template <class Message>
 class SettlingStart {
  public:
   static constexpr std::int64_t kSettling = 100'000;  ///< us of receipt time
-  static constexpr std::size_t kMost = 1000;          ///< waiting samples; with more, all are published
+  static constexpr std::size_t kMaxWaiting = 1000;    ///< waiting samples; with more, all are published
 
   /// A clock begins with the next sample. Samples of the previous clock must be released first.
   void begin(std::int64_t received) {
@@ -30,7 +30,7 @@ class SettlingStart {
   void pass(Message message, std::int64_t received, std::int64_t earlier, Send&& send) {
     for (Message& waiting : waiting_) waiting.utime -= earlier;
     waiting_.push_back(std::move(message));
-    settling_ = settling_ && received - begun_ < kSettling && waiting_.size() < kMost;
+    settling_ = settling_ && received - begun_ < kSettling && waiting_.size() < kMaxWaiting;
     if (!settling_) release(send);
   }
   /// Sends all waiting samples.

@@ -26,7 +26,7 @@ std::optional<std::int64_t> FirstPeriod::add(std::int64_t received) {
   if (arrivals_.size() <= kMany) return {};
   if (const std::int64_t period = rounded(mean(kMany), kStep); explains(period, kMany)) return period;
   if (const auto period = mean_of_similar_gaps()) return period;
-  if (arrivals_.size() < kMost) return {};
+  if (arrivals_.size() < kMaxSamples) return {};
   const std::int64_t mean_of_all = mean(arrivals_.size() - 1);
   return kOffByMean * std::abs(mean_of_all - nominal_) <= nominal_ ? nominal_ : rounded(mean_of_all, kCoarse);
 }

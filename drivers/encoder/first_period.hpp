@@ -11,13 +11,13 @@ namespace curbstone::encoder {
 ///
 /// The period is the nominal one if that explains kFew gaps in a row to half of it, which distinguishes a host that is
 /// late by a few ms from a period that is off by 5 %. Another period is measured over kMany gaps. If all samples arrive
-/// in bunches, it waits for kMost of them; then the period is the nominal one unless the mean differs by more than 20
-/// %. Pure; one thread. All times in us.
+/// in bunches, it waits for kMaxSamples of them; then the period is the nominal one unless the mean differs by more
+/// than 20 %. Pure; one thread. All times in us.
 class FirstPeriod {
  public:
   static constexpr std::size_t kFew = 12;
   static constexpr std::size_t kMany = 64;
-  static constexpr std::size_t kMost = 128;  ///< samples
+  static constexpr std::size_t kMaxSamples = 128;
 
   explicit FirstPeriod(std::int64_t nominal) : nominal_(nominal) {}
 

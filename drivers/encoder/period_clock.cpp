@@ -43,7 +43,7 @@ const std::vector<PeriodClock::Stamp>& PeriodClock::stamp(std::int64_t received,
     add_off_phase(received, gap);
     return decided_;
   }
-  if (waiting_.size() == kMost) release_oldest();
+  if (waiting_.size() == kMaxWaiting) release_oldest();
   const int least = static_cast<int>(waiting_.size()) + 1;  // periods since the last stamped sample
   const std::int64_t delay = received - (offset_.offset() + (index_ + least) * period_);
   const int most = most_missing(delay);
@@ -80,7 +80,7 @@ void PeriodClock::add_off_phase(std::int64_t received, std::int64_t gap) {
   regular_ = std::abs(gap - period_) <= period_ / 8 ? regular_ + 1 : 0;
   if (off_phase_ > 1 && steps >= 1 && since - steps * period_ <= tolerance()) {
     stamp_next(received, steps, true, std::max(steps - off_phase_, 0));
-  } else if (regular_ >= kRegular || off_phase_ >= kMost) {
+  } else if (regular_ >= kRegular || off_phase_ >= kMaxWaiting) {
     begin(received);
   } else {
     decided_.push_back({.utime = received, .steps = 0, .sure = false});
@@ -147,7 +147,7 @@ void PeriodClock::decide_by_regularity() {
 /// Whether the waiting samples keep a phase of their own, because the device was stopped meanwhile, or no decision is
 /// in sight.
 bool PeriodClock::has_other_phase() const {
-  if (waiting_.size() < kMost) return false;
+  if (waiting_.size() < kMaxWaiting) return false;
   return released_unsure_ >= kMaxUnsure || count_punctual(min_delay()) >= kMinPunctual;
 }
 

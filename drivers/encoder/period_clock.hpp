@@ -26,8 +26,8 @@ namespace curbstone::encoder {
 /// or phase. It and those that follow are unsure until one is in phase again, or kRegular in a row are a period
 /// apart: then the clock restarts. A new period is measured meanwhile.
 ///
-/// If kMost samples wait, the oldest is released as unsure. If they keep a phase of their own, or none for long, the
-/// clock restarts. Pure; one thread. All times in us.
+/// If kMaxWaiting samples wait, the oldest is released as unsure. If they keep a phase of their own, or none for long,
+/// the clock restarts. Pure; one thread. All times in us.
 class PeriodClock {
  public:
   struct Stamp {
@@ -44,7 +44,7 @@ class PeriodClock {
   /// Samples in a row that decide by their regularity.
   static constexpr int kSettle = 50;
   /// Maximum number of waiting samples.
-  static constexpr int kMost = 200;
+  static constexpr int kMaxWaiting = 200;
   /// Samples a period apart that make a new phase.
   static constexpr int kRegular = 5;
   /// us; after a longer silence the clock restarts, unless the evidence says that nothing is missing: the host was

@@ -27,7 +27,7 @@ void StuckCounts::add(std::int64_t time, const std::array<std::int32_t, 2>& coun
 
 bool StuckCounts::stuck(std::size_t wheel) const {
   const Wheel& w = wheels_[wheel];
-  return w.last - w.since >= kPatience && w.missing >= kLeastCounts;
+  return w.last - w.since >= kPatience && w.missing >= kMinCounts;
 }
 
 std::vector<std::string> StuckCounts::faults() const {

@@ -15,7 +15,7 @@ class StuckCounts {
   using Speeds = std::array<std::int16_t, 2>;           ///< 0.1 rpm, left and right
   static constexpr std::int64_t kPatience = 1'000'000;  ///< us
   static constexpr int kTurning = 20;                   ///< 0.1 rpm: a lower speed is noise
-  static constexpr double kLeastCounts = 8;             ///< minimum of missing counts
+  static constexpr double kMinCounts = 8;               ///< minimum of missing counts
   static constexpr std::uint16_t kFault = 0x0800;       ///< bit "encoder" of the drive's fault word
 
   explicit StuckCounts(double counts_per_revolution) : counts_per_revolution_(counts_per_revolution) {}

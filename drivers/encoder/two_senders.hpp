@@ -15,19 +15,19 @@ namespace curbstone::encoder {
 /// nodes that were switched on together count alike at first, and all counts are plausible: then the right node is
 /// unknown.
 ///
-/// A turn is a change in one direction after a change in the other: both by at least kLeastCounts and kLeastAngle and,
+/// A turn is a change in one direction after a change in the other: both by at least kMinCounts and kMinAngle and,
 /// for the first kBegin turns, by no more than a wheel can turn in kNear s. kBegin turns in a row mean two nodes; kEnd
 /// counts in a row without a turn end that. A single corrupt count makes two turns. Pure; one thread.
 class TwoSenders {
  public:
-  static constexpr double kLeastCounts = 8;
-  static constexpr double kLeastAngle = 0.01;  ///< rad
-  static constexpr double kNear = 0.03;        ///< s
+  static constexpr double kMinCounts = 8;
+  static constexpr double kMinAngle = 0.01;  ///< rad
+  static constexpr double kNear = 0.03;      ///< s
   static constexpr int kBegin = 5;
   static constexpr int kEnd = 32;
 
   TwoSenders(double counts_per_revolution, double max_speed)
-      : least_(std::max(kLeastCounts, kLeastAngle * counts_per_revolution / (2 * std::numbers::pi))),
+      : least_(std::max(kMinCounts, kMinAngle * counts_per_revolution / (2 * std::numbers::pi))),
         most_(kNear * max_speed * counts_per_revolution / (2 * std::numbers::pi)) {}
 
   /// Adds raw counts in the order of receipt. Returns whether there are two senders.

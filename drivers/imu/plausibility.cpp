@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int64_t kSecond = 1'000'000;  // us
 constexpr std::int64_t kPause = kSecond;     // us without a sample after which everything restarts
-constexpr int kLeast = 20;                   // minimum number of equal samples: a slow device needs more time
+constexpr int kMinEqual = 20;                // minimum number of equal samples: a slow device needs more time
 constexpr std::int64_t kAllAxes = 2 * kSecond;
 constexpr std::int64_t kTwoAxes = 3 * kSecond;
 constexpr std::int64_t kOneAxis = 10 * kSecond;
@@ -21,8 +21,8 @@ constexpr std::int64_t kTurning = kSecond / 2;
 constexpr double kNoBias = 0.1;   // rad/s
 constexpr double kMotion = 1.0;   // m/s^2, between the smallest and the largest value of a second
 constexpr std::size_t kMean = 3;  // s
-constexpr double kLeastForce = 0.8 * kGravity;
-constexpr double kMostForce = 1.45 * kGravity;
+constexpr double kMinForce = 0.8 * kGravity;
+constexpr double kMaxForce = 1.45 * kGravity;
 
 double mean_force(const std::vector<std::array<double, 3>>& means) {
   std::array<double, 3> sum{};
@@ -40,11 +40,11 @@ void Plausibility::Held::add(std::int64_t time, double now) {
     since = time;
     samples = 0;
   }
-  samples = std::min(samples + 1, kLeast);
+  samples = std::min(samples + 1, kMinEqual);
 }
 
 bool Plausibility::Held::lasts(std::int64_t time, std::int64_t us) const {
-  return samples >= kLeast && time - since >= us;
+  return samples >= kMinEqual && time - since >= us;
 }
 
 void Plausibility::begin(std::int64_t time) {
@@ -61,7 +61,7 @@ void Plausibility::end_second(std::int64_t time) {
   moving_ = moves ? moving_ + 1 : 0;
   if (means_.size() == kMean) means_.erase(means_.begin());
   means_.push_back(sum_);
-  const auto fits = [](double force) { return force >= kLeastForce && force <= kMostForce; };
+  const auto fits = [](double force) { return force >= kMinForce && force <= kMaxForce; };
   if (!gravity_ && fits(mean_force({sum_}))) {
     gravity_ = true;
     means_ = {sum_};

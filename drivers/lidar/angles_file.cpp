@@ -11,7 +11,7 @@ namespace curbstone::lidar {
 
 namespace {
 
-constexpr std::size_t kMostLasers = 128;
+constexpr std::size_t kMaxLasers = 128;
 
 /// Parses a number at `text` and moves behind it. Returns false if there is none, or none within +-180.
 bool read_angle(const char*& text, double& angle) {
@@ -37,7 +37,7 @@ std::vector<models::LaserAngles> read_angles(const std::string& file) {
     const char* text = line.c_str() + begin;
     bool good = read_angle(text, laser.elevation) && std::abs(laser.elevation) < 90.0;
     if (good && *text == ',') good = read_angle(++text, laser.azimuth);
-    if (!good || *text != '\0' || angles.size() == kMostLasers)
+    if (!good || *text != '\0' || angles.size() == kMaxLasers)
       throw std::runtime_error(
           fmt::format("angles_file: {}:{}: expected elevation[,azimuth] in deg, a line a laser", file, number));
     angles.push_back(laser);

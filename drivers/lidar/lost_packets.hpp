@@ -20,7 +20,8 @@ class LostPackets {
     if (!recent_.empty() && --recent_.back().packets == 0) recent_.pop_back();
   }
   void settle(std::int64_t now) {
-    for (; !recent_.empty() && (now - recent_.front().at >= kSettled || recent_.size() > kMost); recent_.pop_front())
+    for (; !recent_.empty() && (now - recent_.front().at >= kSettled || recent_.size() > kMaxRecent);
+         recent_.pop_front())
       total_ += recent_.front().packets;
   }
   void settle_all() {
@@ -29,7 +30,7 @@ class LostPackets {
   [[nodiscard]] std::int64_t total() const { return total_; }
 
  private:
-  static constexpr std::size_t kMost = 1000;
+  static constexpr std::size_t kMaxRecent = 1000;
   struct Loss {
     std::int64_t at;
     std::int64_t packets;

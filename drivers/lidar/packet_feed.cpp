@@ -6,7 +6,7 @@
 
 #include "common/time/clock.hpp"
 #include "common/time/replay_pace.hpp"
-#include "common/time/retry_pause.hpp"
+#include "common/time/retry_backoff.hpp"
 #include "drivers/lidar/driver_capture.hpp"
 #include "drivers/lidar/sources/one_sender.hpp"
 
@@ -73,7 +73,7 @@ class NetworkFeed final : public PacketFeed {
   sources::OneSender sender_;
   bool open_ = false;
   bool tried_ = false;
-  RetryPause retry_;
+  RetryBackoff retry_;
 };
 
 /// Counts packets of a capture that did not reach the node.
@@ -84,7 +84,7 @@ void count_refused(const DriverCapture& capture, LidarNode& node) {
   if (capture.cut() > 0) node.set_counter("refused.cut_off", capture.cut());
 }
 
-constexpr int kMostAtOnce = 1000;  // packets per millisecond: a capture may have times that would block the loop
+constexpr int kMaxAtOnce = 1000;  // packets per millisecond: a capture may have times that would block the loop
 
 class CaptureFeed final : public PacketFeed {
  public:
@@ -98,7 +98,7 @@ class CaptureFeed final : public PacketFeed {
   void feed() {
     const std::int64_t now = steady_clock();
     const auto& packet = capture_.packet();
-    for (int i = 0; i < kMostAtOnce && packet && pace_.due(packet->received, now); ++i) {
+    for (int i = 0; i < kMaxAtOnce && packet && pace_.due(packet->received, now); ++i) {
       node_.on_packet(packet->received, packet->port, packet->bytes);
       ++count_;
       capture_.advance();

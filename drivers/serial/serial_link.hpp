@@ -9,7 +9,7 @@
 
 #include "common/bus/node.hpp"
 #include "common/shell/event_loop.hpp"
-#include "common/time/retry_pause.hpp"
+#include "common/time/retry_backoff.hpp"
 #include "drivers/serial/send_queue.hpp"
 #include "drivers/serial/serial_port.hpp"
 
@@ -35,7 +35,7 @@ class SerialLink {
   /// Begins to read; reports at once if there is no device. The loop must not run after this object is destroyed.
   void attach(EventLoop& loop, Handlers handlers);
   /// Sends one message to the device. What the kernel does not accept at once is sent when it has room. The message is
-  /// dropped and counted while there is no device, and if more than SendQueue::kMost bytes are waiting.
+  /// dropped and counted while there is no device, and if more than SendQueue::kMaxBytes bytes are waiting.
   void send(std::span<const std::uint8_t> bytes);
 
   /// Adds serial.baud, serial.low_latency (0, 1), serial.latency_timer_ms, serial.low_latency_refused (openings),
@@ -56,7 +56,7 @@ class SerialLink {
   EventLoop* loop_ = nullptr;
   Handlers handlers_;
   SendQueue queue_;
-  RetryPause retry_;
+  RetryBackoff retry_;
   Counters counters_;
   std::array<std::uint8_t, 4096> buffer_{};
 };

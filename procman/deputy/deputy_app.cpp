@@ -137,15 +137,15 @@ void DeputyApp::shut_down() {
   starting_.reset();
   script_.reset();
   doctor_.reset();
-  if (supervisor_.any_running()) say("stopping");
+  if (supervisor_.any_running()) log_line("stopping");
   stopping_.emplace(supervisor_, config_.stages());
   while (!stopping_->step(steady_clock())) {
     loop_.run();  // until tick() has the end, or another signal arrives
     if (stopping_->step(steady_clock())) break;
-    say("killing what is left");
+    log_line("killing what is left");
     supervisor_.kill_all();
   }
-  for (const std::string& id : stopping_->abandoned()) say(fmt::format("{} does not even die when killed", id));
+  for (const std::string& id : stopping_->abandoned()) log_line(fmt::format("{} does not even die when killed", id));
   deputy_->flush();
 }
 
@@ -159,7 +159,7 @@ void DeputyApp::tick() {
   run_doctor(now);
   if (script_ && !script_->done()) {
     script_->step(now);
-    if (script_->done()) say(fmt::format("script \"{}\" is done", options_.script));
+    if (script_->done()) log_line(fmt::format("script \"{}\" is done", options_.script));
   }
   if (stopping_ ? stopping_->step(now) : end_at_ != 0 && now >= end_at_) loop_.stop();
   if (now >= second_due_) {
@@ -183,7 +183,7 @@ void DeputyApp::replace_hung(std::int64_t now) {
     const process::CommandState* state = supervisor_.find(id);
     if (state == nullptr || state->pid == 0 || state->stopping) continue;
     const double seconds = state->command.heartbeat;
-    say(fmt::format("{} has said nothing for {:.0f} s: it hangs and is replaced", id, seconds));
+    log_line(fmt::format("{} has said nothing for {:.0f} s: it hangs and is replaced", id, seconds));
     alarms_.silent(id, seconds, now);
     supervisor_.replace(id);
   }
@@ -204,11 +204,11 @@ void DeputyApp::run_doctor(std::int64_t now) {
 
 void DeputyApp::on_findings(std::optional<std::vector<std::string>> findings) {
   doctor_done_ = true;
-  if (!findings) return say("doctor: `curbstone doctor` could not be run");
+  if (!findings) return log_line("doctor: `curbstone doctor` could not be run");
   for (const std::string& finding : *findings) {
-    if (std::find(findings_.begin(), findings_.end(), finding) == findings_.end()) say("doctor: " + finding);
+    if (std::find(findings_.begin(), findings_.end(), finding) == findings_.end()) log_line("doctor: " + finding);
   }
-  if (findings->empty()) say("doctor: all is well");
+  if (findings->empty()) log_line("doctor: all is well");
   findings_ = std::move(*findings);
   if (!findings_.empty()) doctor_due_ = steady_clock() + kDoctorAgain;
 }
@@ -258,11 +258,11 @@ void DeputyApp::begin() {
   begun_ = true;
   if (options_.doctor) doctor_due_ = steady_clock() + kDoctorAfter;
   notify_systemd("READY=1");
-  say(fmt::format("deputy \"{}\" on {}, {} commands", options_.id, bus_->url(), config_.commands.size()));
+  log_line(fmt::format("deputy \"{}\" on {}, {} commands", options_.id, bus_->url(), config_.commands.size()));
   for (const config::Command& command : config_.commands) {
     const config::ExecLine line = config::parse_exec_line(command.exec, config::from_environment);
     for (const std::string& name : line.unknown_variables) {
-      say(fmt::format("{}: ${} is not set and stays as written", command.id, name));
+      log_line(fmt::format("{}: ${} is not set and stays as written", command.id, name));
     }
   }
   if (options_.start_all) {
@@ -283,7 +283,8 @@ void DeputyApp::on_started(const process::CommandState& state) {
   deputy_->changed();
   heartbeats_.begin(state.command.id, state.command.heartbeat, steady_clock());
   keeper_.note(state.command.id, fmt::format("-- started, pid {}", state.pid));
-  if (short_runs_[state.command.id] < kCrashLoop) say(fmt::format("{} started, pid {}", state.command.id, state.pid));
+  if (short_runs_[state.command.id] < kCrashLoop)
+    log_line(fmt::format("{} started, pid {}", state.command.id, state.pid));
 }
 
 void DeputyApp::on_ended(const process::CommandState& state, std::int64_t lived) {
@@ -307,9 +308,9 @@ void DeputyApp::on_ended(const process::CommandState& state, std::int64_t lived)
     if (state.killed)
       what += fmt::format("; it was killed: it did not stop within {} s", state.command.stop_time_allowed);
     if (state.refused) what += "; wrong configuration or options: it is not started again until ordered";
-    say(what);
+    log_line(what);
   } else if (short_runs == kCrashLoop || short_runs % 60 == 0) {
-    say(fmt::format("{} keeps dying: {} times in a row within a second ({})", id, short_runs, how));
+    log_line(fmt::format("{} keeps dying: {} times in a row within a second ({})", id, short_runs, how));
   }
   if (!state.stopping && state.exit_status != 0 && short_runs <= kCrashLoop) show_last_lines(id);
   if (id == options_.exit_when && !stopping_ && end_at_ == 0) {
@@ -318,7 +319,7 @@ void DeputyApp::on_ended(const process::CommandState& state, std::int64_t lived)
   }
 }
 
-void DeputyApp::say(const std::string& text) {
+void DeputyApp::log_line(const std::string& text) {
   fmt::print("deputy: {}\n", text);
   std::fflush(stdout);
   deputy_->output("", text + "\n");

@@ -70,7 +70,7 @@ class DeputyApp {
   [[nodiscard]] bool has_reached(const std::string& id, config::WaitStatus wanted) const;
   void on_started(const process::CommandState& state);
   void on_ended(const process::CommandState& state, std::int64_t lived);
-  void say(const std::string& text);
+  void log_line(const std::string& text);
   void print_line(const std::string& id, std::string_view line) const;
   void show_last_lines(const std::string& id);
   void resend_last_lines();

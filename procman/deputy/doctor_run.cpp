@@ -17,7 +17,7 @@ namespace curbstone::procman::deputy {
 
 namespace {
 
-constexpr std::size_t kMostText = 1 << 20;
+constexpr std::size_t kMaxText = 1 << 20;
 
 /// Starts it with an empty signal mask: the deputy blocks the signals that it takes by signalfd(2). Returns 0 if that
 /// fails.
@@ -82,7 +82,7 @@ void DoctorRun::read_on() {
   std::array<char, 4096> bytes{};
   const ssize_t size = read(output_.get(), bytes.data(), bytes.size());
   if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
-  if (size > 0 && text_.size() < kMostText) {
+  if (size > 0 && text_.size() < kMaxText) {
     text_.append(bytes.data(), static_cast<std::size_t>(size));
     return;
   }

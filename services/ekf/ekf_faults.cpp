@@ -114,7 +114,7 @@ void describe_mounting(const mounting::MountingWatch& mounting, const VehicleCon
   }
 }
 
-void describe_lone_samples(const inputs::LoneSamples& samples, std::vector<std::string>& faults) {
+void describe_imu_outliers(const inputs::ImuOutlierFilter& samples, std::vector<std::string>& faults) {
   constexpr std::size_t kMany = 20;  // per minute: a jolt or two are no fault
   if (samples.rejected_last_minute() < kMany) return;
   faults.push_back(fmt::format(

@@ -6,7 +6,7 @@
 #include "common/config/vehicle.hpp"
 #include "services/ekf/base/ekf_config.hpp"
 #include "services/ekf/filter/filter.hpp"
-#include "services/ekf/inputs/lone_samples.hpp"
+#include "services/ekf/inputs/imu_outlier_filter.hpp"
 #include "services/ekf/inputs/stuck_accelerometer.hpp"
 #include "services/ekf/mounting/mounting_watch.hpp"
 
@@ -21,7 +21,7 @@ void describe_noise(const inputs::ImuNoise& noise, const base::NoiseConfig& conf
 void describe_leap(const filter::Filter& filter, std::vector<std::string>& faults);
 void describe_mounting(const mounting::MountingWatch& mounting, const VehicleConfig& vehicle,
                        std::vector<std::string>& faults);
-void describe_lone_samples(const inputs::LoneSamples& samples, std::vector<std::string>& faults);
+void describe_imu_outliers(const inputs::ImuOutlierFilter& samples, std::vector<std::string>& faults);
 void describe_accelerometer(const inputs::StuckAccelerometer& accelerometer, std::vector<std::string>& faults);
 
 }  // namespace curbstone::ekf

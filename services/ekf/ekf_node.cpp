@@ -67,15 +67,15 @@ void EkfNode::on(const imu_t& message) {
       clock_.add(inputs::RunningClock::Sensor::kImu, message.utime, message.sequence);
   if (!utime) return;
   if (clock_.offset() != offset_before) increments_.interrupt();
-  if (clock_.offset() > offset_before) sequencer_.drop_wheels_after(*utime + inputs::RunningClock::kLeast);
+  if (clock_.offset() > offset_before) sequencer_.drop_wheels_after(*utime + inputs::RunningClock::kMinLeap);
   base::ImuSample sample = sample_of(message);
   sample.utime = imu_stamps_.add(*utime, message.sequence);
   if (sample.utime != *utime) counters_.add("straightened.imu");
   // The true value of an axis at the end of its range is unknown: the sample counts as lost, and the wheels bridge it.
   if (message.status & imu_t::CLIPPING) return counters_.add("refused.clipping.imu");
-  const std::int64_t lone_before = lone_samples_.refused();
-  for (const base::ImuSample& usable : lone_samples_.add(sample)) sequencer_.push(usable);
-  if (lone_samples_.refused() > lone_before) counters_.add("refused.lone.imu", lone_samples_.refused() - lone_before);
+  const std::int64_t lone_before = imu_outliers_.refused();
+  for (const base::ImuSample& usable : imu_outliers_.add(sample)) sequencer_.push(usable);
+  if (imu_outliers_.refused() > lone_before) counters_.add("refused.lone.imu", imu_outliers_.refused() - lone_before);
   run(false);
 }
 
@@ -106,7 +106,7 @@ void EkfNode::run(bool drain) {
   while (const std::optional<inputs::Sequencer::Sample> sample = sequencer_.pop(drain)) {
     estimates_.clear();
     const auto* wheels = std::get_if<base::WheelSample>(&*sample);
-    if (wheels != nullptr && old_counts_.is_stale(*wheels)) {
+    if (wheels != nullptr && stale_counts_.is_stale(*wheels)) {
       counters_.add("refused.old_counts");
       continue;
     }
@@ -216,7 +216,7 @@ NodeReport EkfNode::report() const {
     faults.push_back(fmt::format("{} cannot be written: if this process dies, the next one starts on the move (mkdir?)",
                                  state_keeper_->path()));
   describe_mounting(mounting_, config_.vehicle, faults);
-  describe_lone_samples(lone_samples_, faults);
+  describe_imu_outliers(imu_outliers_, faults);
   describe_accelerometer(accelerometer_, faults);
   if (!filter_.filter().started()) {
     faults.emplace_back("no odometry yet: waiting to stand still or to see the wheels turn");

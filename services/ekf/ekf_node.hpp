@@ -11,12 +11,12 @@
 #include "common/shell/latency.hpp"
 #include "services/ekf/filter/rewinding_filter.hpp"
 #include "services/ekf/filter/state_keeper.hpp"
-#include "services/ekf/inputs/lone_samples.hpp"
+#include "services/ekf/inputs/imu_outlier_filter.hpp"
 #include "services/ekf/inputs/map_increment.hpp"
-#include "services/ekf/inputs/old_counts.hpp"
 #include "services/ekf/inputs/running_clock.hpp"
 #include "services/ekf/inputs/sequencer.hpp"
-#include "services/ekf/inputs/stamp_straightener.hpp"
+#include "services/ekf/inputs/stale_counts.hpp"
+#include "services/ekf/inputs/stamp_smoother.hpp"
 #include "services/ekf/inputs/stuck_accelerometer.hpp"
 #include "services/ekf/mounting/mounting_watch.hpp"
 
@@ -24,7 +24,7 @@ namespace curbstone::ekf {
 
 /// Subscribes to IMU and WHEELS (with `fuse_map` also MAP_POSE) and publishes ODOMETRY and POSE: one of each for every
 /// IMU sample, at its stamp; while there is no IMU, for every wheel sample. Late IMU stamps are straightened
-/// (StampStraightener), and after the host's clock was set the stamp is that of the new clock (RunningClock).
+/// (StampSmoother), and after the host's clock was set the stamp is that of the new clock (RunningClock).
 ///
 /// The output is a function of the channels' sequences (Sequencer) as long as none lags by more than its hold; a later
 /// sample still counts (RewindingFilter). tick() only detects silence, for the faults, and resends ODOMETRY that a
@@ -64,10 +64,10 @@ class EkfNode final : public Node {
   Publisher& publisher_;
   MessageKeeper sent_;  // ODOMETRY
   inputs::RunningClock clock_;
-  inputs::StampStraightener imu_stamps_;
+  inputs::StampSmoother imu_stamps_;
   inputs::Sequencer sequencer_;
-  inputs::LoneSamples lone_samples_;
-  inputs::OldCounts old_counts_;
+  inputs::ImuOutlierFilter imu_outliers_;
+  inputs::StaleCounts stale_counts_;
   inputs::MapIncrements increments_;
   inputs::StuckAccelerometer accelerometer_;
   filter::RewindingFilter filter_;

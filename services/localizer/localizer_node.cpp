@@ -21,8 +21,8 @@ namespace {
 
 constexpr std::size_t kMaxPending = 80;  // revolutions that wait for odometry; 20 Hz: 4 s
 constexpr double kSteadyFor = 0.5;       // s for which the last motion is assumed to continue without odometry
-constexpr double kMostSpeed = 40.0;      // m/s: faster odometry has started anew
-constexpr double kMostTurn = 6.0;        // rad/s
+constexpr double kMaxSpeed = 40.0;       // m/s: faster odometry has started anew
+constexpr double kMaxTurn = 6.0;         // rad/s
 constexpr double kStartTilt = 0.02;      // rad, 1 sigma of roll and pitch at the start
 constexpr double kStartHeight = 0.15;    // m
 constexpr double kUnknown = 1000.0;      // m and rad, 1 sigma of an unknown pose
@@ -30,7 +30,7 @@ constexpr double kUnknown = 1000.0;      // m and rad, 1 sigma of an unknown pos
 }  // namespace
 
 LocalizerNode::LocalizerNode(const LocalizerConfig& config, Publisher& bus)
-    : config_(config), bus_(bus), file_(config.map), finder_(config.tracking) {
+    : config_(config), bus_(bus), file_(config.map), global_localizer_(config.tracking) {
   if (!config_.start.empty() && config_.start.size() != 3)
     throw ConfigError(fmt::format("localizer.start: expected X, Y, YAW or none, got {} numbers", config_.start.size()));
   if (config_.method == Method::kMonteCarlo && config_.start.empty())
@@ -109,9 +109,9 @@ void LocalizerNode::process(const mapper::scan::Scan& scan) {
   const auto points = thinner_.thin(mapper::scan::deskew(scan.points, config_.vehicle.T_base_lidar(), sweep));
   const tracking::PoseFit fit = tracker_ ? tracker_->track(points, motion, *map_) : tracking::PoseFit{};
   if (!lost() || !covered || !motion.with_odometry)
-    finder_.restart();
+    global_localizer_.restart();
   else
-    seek(scan, points, motion);
+    search_globally(scan, points, motion);
   latency_.add(static_cast<double>(steady_clock() - begun) * 1e-6);
   last_end_ = scan.end;
   odometry_.forget_before(scan.start - 100'000);
@@ -121,13 +121,13 @@ void LocalizerNode::process(const mapper::scan::Scan& scan) {
 }
 
 /// Searches the whole map. A pose found this way must fit like any start before it is trusted.
-void LocalizerNode::seek(const mapper::scan::Scan& scan, const std::vector<Eigen::Vector3d>& points,
-                         const tracking::Motion& motion) {
-  const auto found = finder_.look(points, odometry_.at(scan.end), motion, *map_);
+void LocalizerNode::search_globally(const mapper::scan::Scan& scan, const std::vector<Eigen::Vector3d>& points,
+                                    const tracking::Motion& motion) {
+  const auto found = global_localizer_.process(points, odometry_.at(scan.end), motion, *map_);
   if (!found) return;
   counters_.add("found_in_whole_map");
   tracker_ = tracker_from(*found);
-  finder_.restart();
+  global_localizer_.restart();
 }
 
 /// Starts at the configured pose, if there is one, on the map's ground, with roll and pitch from odometry.
@@ -159,8 +159,8 @@ tracking::Motion LocalizerNode::motion_to(const mapper::scan::Scan& scan) {
   if (odometry_.covers(std::min(last_end_, scan.end), scan.end)) {
     motion.T_last_base = odometry_.at(last_end_).inverse() * odometry_.at(scan.end);
     const double stride = std::max(motion.seconds, 0.02);
-    if (motion.seconds > 0 && motion.T_last_base.translation().norm() <= kMostSpeed * stride &&
-        angle_of(motion.T_last_base) <= kMostTurn * stride) {
+    if (motion.seconds > 0 && motion.T_last_base.translation().norm() <= kMaxSpeed * stride &&
+        angle_of(motion.T_last_base) <= kMaxTurn * stride) {
       twist_ = mapper::scan::twist_of(motion.T_last_base, motion.seconds);
       return motion;
     }
@@ -180,7 +180,7 @@ LocalizerNode::Answer LocalizerNode::answer(const tracking::PoseFit& fit) const 
   if (tracker_) return {tracker_->belief().T_map_base, tracker_->published_covariance(), fit};
   Answer guess;
   guess.covariance = kUnknown * kUnknown * tracking::Matrix6::Identity();
-  if (const search::Hypothesis* best = finder_.best()) {
+  if (const search::Hypothesis* best = global_localizer_.best()) {
     guess.T_map_base = best->belief.T_map_base;
     guess.fit = best->fit;
   }
@@ -203,7 +203,7 @@ void LocalizerNode::publish(const mapper::scan::Scan& scan, const Answer& answer
   message.iterations = fit.iterations;
   message.degenerate = fit.degenerate;
   message.flags = (lost() ? map_pose_t::LOST : 0) | (lost() ? 0 : map_pose_t::REGISTERED) |
-                  (lost() && finder_.ambiguous() ? map_pose_t::AMBIGUOUS : 0) |
+                  (lost() && global_localizer_.ambiguous() ? map_pose_t::AMBIGUOUS : 0) |
                   (with_odometry && known ? 0 : map_pose_t::NO_ODOMETRY) |
                   (known && odometry_.stationary(scan.start, scan.end) ? map_pose_t::STATIONARY : 0);
   bus_.publish("LOCALIZED_POSE", message);
@@ -226,7 +226,7 @@ NodeReport LocalizerNode::report() const {
   if (lidar_time_ != 0 && !begun_) report.faults.emplace_back("no usable ODOMETRY yet");
   if (tracker_ && lost()) report.faults.push_back(fmt::format("lost: {} does not show what is seen here", config_.map));
   if (begun_ && !tracker_) report.faults.push_back(fmt::format("not found yet in {}", config_.map));
-  if (lost() && finder_.ambiguous())
+  if (lost() && global_localizer_.ambiguous())
     report.faults.push_back(fmt::format("several places of {} look like this one", config_.map));
   return report;
 }

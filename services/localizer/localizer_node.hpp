@@ -9,7 +9,7 @@
 #include "common/bus/node.hpp"
 #include "common/shell/latency.hpp"
 #include "services/localizer/localizer_config.hpp"
-#include "services/localizer/search/finder.hpp"
+#include "services/localizer/search/global_localizer.hpp"
 #include "services/localizer/tracking/pose_tracker.hpp"
 #include "services/localizer/tracking/thinned_scan.hpp"
 #include "services/mapper/scan/odometry_history.hpp"
@@ -44,7 +44,8 @@ class LocalizerNode final : public Node {
   void begin(const mapper::scan::Scan& scan);
   [[nodiscard]] tracking::Motion motion_to(const mapper::scan::Scan& scan);
   [[nodiscard]] std::unique_ptr<tracking::PoseTracker> tracker_from(const tracking::PoseBelief& start) const;
-  void seek(const mapper::scan::Scan& scan, const std::vector<Eigen::Vector3d>& points, const tracking::Motion& motion);
+  void search_globally(const mapper::scan::Scan& scan, const std::vector<Eigen::Vector3d>& points,
+                       const tracking::Motion& motion);
   [[nodiscard]] bool lost() const { return !tracker_ || tracker_->lost(); }
   struct Answer {
     Pose T_map_base = Pose::Identity();
@@ -64,7 +65,7 @@ class LocalizerNode final : public Node {
   mapper::scan::OdometryHistory odometry_;
   tracking::ScanThinner thinner_;
   std::unique_ptr<tracking::PoseTracker> tracker_;  // null until there is a start pose
-  search::Finder finder_;
+  search::GlobalLocalizer global_localizer_;
   bool begun_ = false;  // since the first revolution with odometry
   std::deque<mapper::scan::Scan> pending_;
   std::int64_t lidar_time_ = 0;  // us, newest LIDAR_POINTS

@@ -22,7 +22,7 @@ void DriveLog::start_epoch(std::int32_t epoch, const std::vector<TrajectoryPoint
 void DriveLog::add(const TrajectoryPoint& point) {
   const TileKey key = drive_page(point.utime);
   std::vector<LoggedPose>& page = pages_[key];
-  if (page.size() >= kMostPosesOfPage || (!page.empty() && point.utime <= page.back().utime)) return;
+  if (page.size() >= kMaxPosesPerPage || (!page.empty() && point.utime <= page.back().utime)) return;
   page.push_back({point.utime, point.revolution, point.T_map_base.translation().cast<float>(),
                   Eigen::Quaterniond(point.T_map_base.linear()).cast<float>()});
   catalog_.set_version(key, static_cast<std::int32_t>(page.size()));

@@ -30,7 +30,7 @@ class FailedSearch {
   [[nodiscard]] bool is_hopeless() const { return (seconds() >= kLong && path_ >= kFar) || unguided_ >= kLongUnguided; }
 
  private:
-  static constexpr double kLong = 12;          // s, later than LostPause; about six searches of the whole map, and
+  static constexpr double kLong = 12;          // s, later than LostTimer; about six searches of the whole map, and
   static constexpr double kFar = 24;           // m by odometry, or
   static constexpr double kLongUnguided = 24;  // s without odometry
   static constexpr double kLongestStep = 1;    // s between two scans that are counted

@@ -16,9 +16,9 @@ constexpr std::size_t kRequestsInATurn = 1;  // tiles, of about 8000 points at m
 
 std::deque<map_trajectory_t> make_trajectory_pages(const std::vector<TrajectoryPoint>& points, std::int32_t epoch) {
   std::deque<map_trajectory_t> pages;
-  for (std::size_t first = 0; first < points.size(); first += kMostPosesOfPage) {
+  for (std::size_t first = 0; first < points.size(); first += kMaxPosesPerPage) {
     map_trajectory_t page{};
-    const std::size_t end = std::min(first + kMostPosesOfPage, points.size());
+    const std::size_t end = std::min(first + kMaxPosesPerPage, points.size());
     page.epoch = epoch;
     page.page = static_cast<std::int32_t>(pages.size());
     for (std::size_t i = first; i < end; ++i)

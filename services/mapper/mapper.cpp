@@ -101,7 +101,7 @@ void Mapper::note_failed_search(std::int64_t utime, const std::optional<Pose>& T
   std::optional<Eigen::Vector3d> in_odom;
   if (T_odom_base) in_odom = T_odom_base->translation();
   failed_search_.add(utime, in_odom);
-  if (failed_search_.seconds() < LostPause::kMapper * 1e-6 || is_settled_ || dense_->is_moving()) return;
+  if (failed_search_.seconds() < LostTimer::kMapper * 1e-6 || is_settled_ || dense_->is_moving()) return;
   is_settled_ = true;
   settled_ = dense_->finish();
 }

@@ -9,7 +9,7 @@
 #include "common/bus/counters.hpp"
 #include "common/geometry/geometry.hpp"
 #include "common/packing/spill_file.hpp"
-#include "common/tile_sync/lost_pause.hpp"
+#include "common/tile_sync/lost_timer.hpp"
 #include "services/mapper/config/mapper_config.hpp"
 #include "services/mapper/dense_map/dense_worker.hpp"
 #include "services/mapper/failed_search.hpp"

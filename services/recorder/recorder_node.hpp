@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/bus/node.hpp"
-#include "services/recorder/config_memory.hpp"
+#include "services/recorder/config_cache.hpp"
 #include "services/recorder/free_space.hpp"
 #include "services/recorder/recorder_config.hpp"
 #include "services/recorder/recording.hpp"
@@ -38,7 +38,7 @@ class RecorderNode final : public Node {
   RecorderConfig config_;
   std::optional<Session> session_;  // none: config_.file
   FreeSpace space_;
-  ConfigMemory configs_;
+  ConfigCache configs_;
   std::optional<Recording> recording_;  // none while the disk is full
   std::int64_t waiting_ = 0;            // messages not yet known to be on file
   std::int64_t last_ = 0;               // us, last flush or attempt

@@ -15,8 +15,8 @@ int main(int argc, char** argv) {
         std::random_device random;
         const std::uint64_t run = std::uint64_t{random()} << 32U | random();
         auto node = std::make_unique<relay::RelayNode>(config, *address, run);
-        context.loop.watch(node->bus_fd(), [node = node.get()] { node->carry_out(); });
-        context.loop.watch(node->peers_fd(), [node = node.get()] { node->carry_in(wall_clock()); });
+        context.loop.watch(node->bus_fd(), [node = node.get()] { node->forward_to_peers(); });
+        context.loop.watch(node->peers_fd(), [node = node.get()] { node->forward_to_bus(wall_clock()); });
         return node;
       });
 }

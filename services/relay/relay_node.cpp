@@ -17,7 +17,7 @@ RelayNode::RelayNode(const RelayConfig& config, const BusAddress& bus, std::uint
   bus_.pass_all();
 }
 
-void RelayNode::carry_out() {
+void RelayNode::forward_to_peers() {
   bus_.receive([this](const BusSocket::Message& message) {
     if (message.port == sender_.port()) return;  // it came from a peer: forwarding it would create a loop
     if (except_.contains(message.channel)) return;
@@ -27,7 +27,7 @@ void RelayNode::carry_out() {
   });
 }
 
-void RelayNode::carry_in(std::int64_t now) {
+void RelayNode::forward_to_bus(std::int64_t now) {
   peers_.receive(now, [this](std::string_view channel, std::span<const std::uint8_t> data) {
     counters_.add(sender_.send(channel, data) ? "messages_in" : "faults.publish");
     counters_.add("bytes_in", static_cast<std::int64_t>(data.size()));

@@ -13,8 +13,8 @@
 
 namespace curbstone::relay {
 
-/// Connects the bus of this host with those of other hosts. The caller watches two sockets: it calls carry_out() when
-/// bus_fd() is readable, and carry_in() when peers_fd() is readable.
+/// Connects the bus of this host with those of other hosts. The caller watches two sockets: it calls forward_to_peers()
+/// when bus_fd() is readable, and forward_to_bus() when peers_fd() is readable.
 class RelayNode final : public Node {
  public:
   /// `run`: differs at each start and on each host. Throws std::invalid_argument for a configuration without peers,
@@ -28,9 +28,9 @@ class RelayNode final : public Node {
   [[nodiscard]] int bus_fd() const { return bus_.fd(); }
   [[nodiscard]] int peers_fd() const { return peers_.fd(); }
   /// Sends this host's messages to the peers.
-  void carry_out();
+  void forward_to_peers();
   /// Publishes the peers' messages on this host's bus.
-  void carry_in(std::int64_t now);
+  void forward_to_bus(std::int64_t now);
 
  private:
   std::set<std::string, std::less<>> except_;

@@ -55,13 +55,13 @@ void Kerbstones::for_near(const Eigen::Vector2d& at, Visit visit) const {
   }
 }
 
-bool Kerbstones::hold(const Eigen::Vector2d& at) const {
+bool Kerbstones::contains(const Eigen::Vector2d& at) const {
   bool holds = false;
   for_near(at, [&](const Vertex& v) { return holds = is_on_stone_of(v, at); });
   return holds;
 }
 
-bool Kerbstones::part(const Eigen::Vector2d& road, const Eigen::Vector2d& at, Which which) const {
+bool Kerbstones::separates(const Eigen::Vector2d& road, const Eigen::Vector2d& at, Which which) const {
   const Eigen::Vector2d way = road - at;
   const double length = way.norm();
   for (double walked = 0; walked < length; walked += kStep) {

@@ -14,12 +14,13 @@ class Kerbstones {
  public:
   explicit Kerbstones(const std::vector<tile::CurbLine>& curbs);
   /// Whether a place, m in map, is on a kerbstone.
-  [[nodiscard]] bool hold(const Eigen::Vector2d& at) const;
+  [[nodiscard]] bool contains(const Eigen::Vector2d& at) const;
   enum class Which { kRaised, kAll };  ///< kAll: lowered and flush ones, too
   /// Whether a kerb separates a road from a place, m in map: among the kerbs on the straight line between them, the one
   /// nearest to the place rises towards it. (Over a traffic island the line goes up and down again.) Beyond kerbs that
   /// are not raised there may be a road.
-  [[nodiscard]] bool part(const Eigen::Vector2d& road, const Eigen::Vector2d& at, Which which = Which::kRaised) const;
+  [[nodiscard]] bool separates(const Eigen::Vector2d& road, const Eigen::Vector2d& at,
+                               Which which = Which::kRaised) const;
 
  private:
   struct Vertex : tile::CurbVertex {

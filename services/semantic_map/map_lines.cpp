@@ -76,8 +76,8 @@ bool is_beyond_kerb(const tile::MarkingLine& line, const Kerbstones& kerbs, cons
     const Eigen::Vector2d at(double{line.points[i].x}, double{line.points[i].y});
     const auto road = path.nearest(at);
     if (!road) continue;
-    const bool is_parted = kerbs.part(*road, at, Kerbstones::Which::kRaised) ||
-                           (!is_sure && kerbs.part(*road, at, Kerbstones::Which::kAll));
+    const bool is_parted = kerbs.separates(*road, at, Kerbstones::Which::kRaised) ||
+                           (!is_sure && kerbs.separates(*road, at, Kerbstones::Which::kAll));
     beyond += is_parted ? 1 : 0;
   }
   return beyond > 1;
@@ -132,7 +132,7 @@ std::vector<tile::MarkingLine> link_road_markings(std::vector<marking_lines::Map
                                                   const Kerbstones& kerbs, const tile::DrivenPath& path,
                                                   const markings::MarkingParameters& parameters) {
   for (marking_lines::MapMarkingCell& cell : cells) {
-    if (cell.is_bright && kerbs.hold(cell.at)) cell.is_bright = cell.is_strong = false;
+    if (cell.is_bright && kerbs.contains(cell.at)) cell.is_bright = cell.is_strong = false;
   }
   std::vector<tile::MarkingLine> lines = marking_lines::link_marking_cells(cells, path, parameters);
   std::erase_if(lines, [&](const tile::MarkingLine& line) { return is_beyond_kerb(line, kerbs, path); });

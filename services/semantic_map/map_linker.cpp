@@ -10,8 +10,8 @@ void MapLinker::clear() {
   sources_->markings = parameters_;
 }
 
-store::MapKeeper::LinkLines MapLinker::link_as_is(pipeline::TilePipeline& pipeline,
-                                                  std::shared_ptr<const store::StoredLines> before) {
+store::MapKeeper::LinkLines MapLinker::link_snapshot(pipeline::TilePipeline& pipeline,
+                                                     std::shared_ptr<const store::StoredLines> before) {
   std::vector<std::pair<TileKey, LineTile>> changed;
   for (const TileKey& key : pipeline.take_changed()) changed.emplace_back(key, line_tile(key, pipeline));
   return [sources = sources_, changed = std::move(changed), driven = std::exchange(driven_, {}),

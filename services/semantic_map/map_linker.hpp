@@ -20,17 +20,17 @@ class MapLinker {
   explicit MapLinker(const markings::MarkingParameters& parameters) : parameters_(parameters) { clear(); }
 
   /// Adds a place of the vehicle: DrivenPath::add().
-  void drove(std::int64_t utime, const Eigen::Vector2d& place) { driven_.emplace_back(utime, place); }
+  void add_place(std::int64_t utime, const Eigen::Vector2d& place) { driven_.emplace_back(utime, place); }
   /// Discards everything: another epoch begins.
   void clear();
   /// Returns a function that links the lines as they are now, with the same result as link(line_sources()). It is to be
-  /// called once, in any thread, and must have returned before link_as_is() is called again.
-  [[nodiscard]] store::MapKeeper::LinkLines link_as_is(pipeline::TilePipeline& pipeline,
-                                                       std::shared_ptr<const store::StoredLines> before);
+  /// called once, in any thread, and must have returned before link_snapshot() is called again.
+  [[nodiscard]] store::MapKeeper::LinkLines link_snapshot(pipeline::TilePipeline& pipeline,
+                                                          std::shared_ptr<const store::StoredLines> before);
 
  private:
   markings::MarkingParameters parameters_;
-  std::vector<std::pair<std::int64_t, Eigen::Vector2d>> driven_;  ///< since the last link_as_is()
+  std::vector<std::pair<std::int64_t, Eigen::Vector2d>> driven_;  ///< since the last link_snapshot()
   std::shared_ptr<MapLineSources> sources_;                       ///< owned by the function handed out, while it runs
 };
 

@@ -2,7 +2,7 @@
 
 #include "services/semantic_map/kerbstones.hpp"
 #include "services/semantic_map/map_lines.hpp"
-#include "services/semantic_map/marking_lines/cut_lines.hpp"
+#include "services/semantic_map/marking_lines/clip_lines.hpp"
 #include "services/semantic_map/semantic_messages.hpp"
 
 namespace curbstone::semantic_map {
@@ -28,7 +28,7 @@ marking_lines_t NearbyMarkings::next(const pipeline::TilePipeline& pipeline, con
     const double reach = range + kBeyondBox;
     const MapBox box(vehicle.array() - reach, vehicle.array() + reach);
     const auto linked = link_road_markings(marking_cells_in(box, pipeline), kerbs, path, parameters_);
-    return marking_lines::cut_lines(linked, vehicle.array() - range, vehicle.array() + range);
+    return marking_lines::clip_lines(linked, vehicle.array() - range, vehicle.array() + range);
   };
   std::vector<tile::MarkingLine> lines = lines_about();
   while (message_size(lines) > kMaxMarkingVertices) {

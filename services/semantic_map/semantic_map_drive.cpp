@@ -21,7 +21,7 @@ constexpr std::size_t kSteppedAtOnce = 4000;  // steps of tiles: most of a secon
 template <typename Message>
 bool SemanticMapNode::follow_mapper(const Message& message) {
   const bool is_present = follow_epoch(message.epoch, EpochFollower::Source::kMapper);
-  const std::size_t dropped = is_present ? held_.clear() : held_.hold(message);
+  const std::size_t dropped = is_present ? pending_trajectory_.clear() : pending_trajectory_.hold(message);
   if (dropped > 0) counters_.add("dropped.other_epoch", static_cast<std::int64_t>(dropped));
   return is_present;
 }
@@ -39,7 +39,7 @@ void SemanticMapNode::take(const map_pose_t& message) {
   const Pose T_map_base = pose_from_arrays(message.map_base_position, message.map_base_orientation);
   vehicle_ = T_map_base.translation().head<2>();
   const bool is_guess = (message.flags & map_pose_t::LOST) != 0;
-  pause_.hear(message.utime, is_guess);
+  lost_timer_.on_pose(message.utime, is_guess);
   if (is_guess) return;  // it is no part of the drive
   if (path_.empty() || (path_.last() - vehicle_).norm() > kPathSpacing) add_to_path(message.utime, vehicle_);
   keeper_.put(tile::TrajectoryPose{message.utime, message.revolution, T_map_base});
@@ -87,7 +87,7 @@ void SemanticMapNode::take_again(const map_trajectory_t& message) {
 
 void SemanticMapNode::add_to_path(std::int64_t utime, const Eigen::Vector2d& place) {
   path_.add(utime, place);
-  if (keeper_.keeps()) linker_.drove(utime, place);
+  if (keeper_.keeps()) linker_.add_place(utime, place);
 }
 
 void SemanticMapNode::begin_drive(std::int64_t utime) {
@@ -98,16 +98,16 @@ void SemanticMapNode::begin_drive(std::int64_t utime) {
 /// Computes and publishes everything that is stale or waits.
 void SemanticMapNode::settle() {
   pipeline::WorkResult settled = pipeline_.settle();
-  ask_for_lost();
+  request_lost_tiles();
   unsent_.merge(settled.changed);
   if (settled.markings) markings_changed_ = true;
   schedule_.clear();
   for (const TileKey& key : std::exchange(unsent_, {})) publish_tile(pipeline_.classes(key), newest_utime_);
 }
 
-/// The map is stored as it would be at the end of the drive: see LostPause.
+/// The map is stored as it would be at the end of the drive: see LostTimer.
 void SemanticMapNode::settle_while_lost() {
-  if (!pause_.take() || pipeline_.num_stale() > kSteppedAtOnce) return;
+  if (!lost_timer_.take() || pipeline_.num_stale() > kSteppedAtOnce) return;
   settle();
   lines_unstored_ = true;
   last_lines_stored_ = 0;
@@ -115,16 +115,16 @@ void SemanticMapNode::settle_while_lost() {
 
 void SemanticMapNode::finish() {
   settle();  // nobody answers any more, but what is lost is counted
-  if (has_points()) say_last();
+  if (has_points()) publish_final();
   MapLineSources sources = line_sources(pipeline_, path_, config_.markings);
-  sources.before = keeper_.lines_before();
+  sources.before = keeper_.previous_lines();
   const tile::MapLines lines = link(sources);
   if (drive_started_) keeper_.finish(lines);
   if (!config_.picture.empty()) draw_picture(lines);
 }
 
 /// Depends on the map and on the vehicle's last position, not on earlier messages.
-void SemanticMapNode::say_last() {
+void SemanticMapNode::publish_final() {
   if (curbs_changed_ || curbs_from_ != vehicle_) publish_curbs(newest_utime_);
   if (markings_changed_ || (config_.markings.enabled && markings_from_ != vehicle_)) publish_markings(newest_utime_);
   publish_index(newest_utime_);

@@ -31,7 +31,7 @@ cells::ClassParameters with_vehicle(cells::ClassParameters classes, const Vehicl
 }
 
 /// In a file beside the map, or in memory if the map has no file.
-std::shared_ptr<SpillFile> file_for_far(const SemanticMapConfig& config) {
+std::shared_ptr<SpillFile> make_spill_file(const SemanticMapConfig& config) {
   if (config.map.empty()) return std::make_shared<SpillFile>();
   const std::filesystem::path folder = std::filesystem::path(config.map).parent_path();
   return std::make_shared<SpillFile>(folder.empty() ? "." : folder.string(),
@@ -51,8 +51,8 @@ std::int32_t revision_at(std::int64_t now, std::int32_t epoch) {
 SemanticMapNode::SemanticMapNode(const SemanticMapConfig& config, Publisher& bus)
     : config_(config),
       bus_(bus),
-      far_(file_for_far(config)),
-      pipeline_(config.curb, with_vehicle(config.classes, config.vehicle), config.markings, far_),
+      spill_file_(make_spill_file(config)),
+      pipeline_(config.curb, with_vehicle(config.classes, config.vehicle), config.markings, spill_file_),
       schedule_(config.work_per_tick),
       keeper_(config.map, static_cast<std::size_t>(config.max_pending_tiles), config.keep_earlier_drives),
       linker_(config.markings),
@@ -69,7 +69,7 @@ void SemanticMapNode::connect(Subscriber& bus) {
 }
 
 bool SemanticMapNode::follow_epoch(std::int32_t epoch, EpochFollower::Source source) {
-  switch (epochs_.hear(epoch, source, now_)) {
+  switch (epochs_.observe(epoch, source, now_)) {
     case EpochFollower::Verdict::kPresent:
       return true;
     case EpochFollower::Verdict::kEntered:
@@ -88,7 +88,7 @@ void SemanticMapNode::enter_epoch(std::int32_t epoch) {
   epoch_ = epoch;
   drive_started_ = false;
   last_pose_utime_ = 0;
-  pause_.clear();
+  lost_timer_.clear();
   assembler_.clear();
   pipeline_.clear();
   schedule_.clear();
@@ -102,7 +102,7 @@ void SemanticMapNode::enter_epoch(std::int32_t epoch) {
   catalog_.start_epoch(epoch);
   curbs_changed_ = lines_unstored_ = true;
   markings_changed_ = config_.markings.enabled;
-  for (const HeldDrive::Message& held : held_.take(epoch))
+  for (const PendingTrajectory::Message& held : pending_trajectory_.take(epoch))
     std::visit([this](const auto& message) { take(message); }, held);
 }
 
@@ -171,7 +171,7 @@ void SemanticMapNode::tick(std::int64_t now) {
   }
 }
 
-void SemanticMapNode::ask_for_lost() {
+void SemanticMapNode::request_lost_tiles() {
   for (const TileKey key : pipeline_.take_lost()) {
     counters_.add("faults.far_tiles");
     const auto revision = revisions_.extract(key);
@@ -182,7 +182,7 @@ void SemanticMapNode::ask_for_lost() {
 
 void SemanticMapNode::send_requests(std::int64_t now) {
   last_request_ = now;
-  ask_for_lost();
+  request_lost_tiles();
   const tile_request_t tiles = voted_.make_request(now);
   if (tiles.num_tiles > 0) bus_.publish("TILE_REQUEST", tiles);
   if (!drive_started_) return;
@@ -296,7 +296,7 @@ void SemanticMapNode::store(std::int64_t now) {
       now - last_lines_stored_ >= std::max(kStoreLinesPeriod, kStoreLinesShare * keeper_.linking_took())) {
     last_lines_stored_ = now;
     lines_unstored_ = false;
-    keeper_.put(linker_.link_as_is(pipeline_, keeper_.lines_before()));
+    keeper_.put(linker_.link_snapshot(pipeline_, keeper_.previous_lines()));
   }
   keeper_.write();
 }
@@ -312,9 +312,9 @@ NodeReport SemanticMapNode::report() const {
   report.counters.set("evidence_computed", pipeline_.num_evidence());
   if (const auto fault = epochs_.fault(now_)) report.faults.push_back(*fault);
   if (const auto fault = drive_.fault(); fault && drive_started_) report.faults.push_back(*fault);
-  set_level(report.counters, "far.memory_kb", static_cast<std::int64_t>(far_->bytes_in_memory() / 1024));
-  set_level(report.counters, "far.disk_kb", static_cast<std::int64_t>(far_->bytes_in_file() / 1024));
-  if (!far_->fault().empty()) report.faults.push_back("far tiles stay in memory: " + far_->fault());
+  set_level(report.counters, "far.memory_kb", static_cast<std::int64_t>(spill_file_->bytes_in_memory() / 1024));
+  set_level(report.counters, "far.disk_kb", static_cast<std::int64_t>(spill_file_->bytes_in_file() / 1024));
+  if (!spill_file_->fault().empty()) report.faults.push_back("far tiles stay in memory: " + spill_file_->fault());
   if (!keeper_.fault().empty()) report.faults.push_back(keeper_.fault());
   if (!picture_fault_.empty()) report.faults.push_back(picture_fault_);
   report.latency_p50 = latency_.percentile(0.5);

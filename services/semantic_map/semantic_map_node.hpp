@@ -17,13 +17,13 @@
 #include "common/shell/latency.hpp"
 #include "common/tile_sync/drive_follower.hpp"
 #include "common/tile_sync/epoch_follower.hpp"
-#include "common/tile_sync/lost_pause.hpp"
+#include "common/tile_sync/lost_timer.hpp"
 #include "common/tile_sync/tile_sync.hpp"
-#include "services/semantic_map/held_drive.hpp"
 #include "services/semantic_map/map_lines.hpp"
 #include "services/semantic_map/map_linker.hpp"
 #include "services/semantic_map/nearby_curbs.hpp"
 #include "services/semantic_map/nearby_markings.hpp"
+#include "services/semantic_map/pending_trajectory.hpp"
 #include "services/semantic_map/pipeline/tile_pipeline.hpp"
 #include "services/semantic_map/pipeline/update_schedule.hpp"
 #include "services/semantic_map/semantic_map_config.hpp"
@@ -71,7 +71,7 @@ class SemanticMapNode final : public Node {
   void begin_drive(std::int64_t utime);
   void add_to_path(std::int64_t utime, const Eigen::Vector2d& place);
   void send_requests(std::int64_t now);
-  void ask_for_lost();
+  void request_lost_tiles();
   /// Computes columns and classes of tiles with new points, some at a time, and publishes them.
   void show_new_points(std::int64_t now);
   /// Does so for one tile; false if none waits.
@@ -89,7 +89,7 @@ class SemanticMapNode final : public Node {
   [[nodiscard]] bool has_points() const { return newest_utime_ > 0; }
   void settle();
   void settle_while_lost();
-  void say_last();
+  void publish_final();
   void publish_curbs(std::int64_t now);
   void publish_markings(std::int64_t now);
   void store(std::int64_t now);
@@ -98,7 +98,7 @@ class SemanticMapNode final : public Node {
   SemanticMapConfig config_;
   Publisher& bus_;
   tile::VotedTileAssembler assembler_;
-  std::shared_ptr<SpillFile> far_;  // layers of far tiles
+  std::shared_ptr<SpillFile> spill_file_;  // layers of far tiles
   pipeline::TilePipeline pipeline_;
   pipeline::UpdateSchedule schedule_;
   store::MapKeeper keeper_;
@@ -115,12 +115,12 @@ class SemanticMapNode final : public Node {
   std::unordered_map<TileKey, std::int32_t, TileKeyHash> revisions_;  // of voted tiles
 
   EpochFollower epochs_;
-  HeldDrive held_;
+  PendingTrajectory pending_trajectory_;
   std::int32_t epoch_ = 0;  // the current one, if has_epoch_
   bool has_epoch_ = false;
   bool drive_started_ = false;
   std::int64_t last_pose_utime_ = 0;
-  LostPause pause_{LostPause::kSemanticMap};
+  LostTimer lost_timer_{LostTimer::kSemanticMap};
   std::int64_t newest_utime_ = 0;  // of any input
   Eigen::Vector2d vehicle_ = Eigen::Vector2d::Zero();
   tile::DrivenPath path_;

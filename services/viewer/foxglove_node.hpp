@@ -3,8 +3,8 @@
 #include <string>
 
 #include "common/bus/node.hpp"
-#include "services/viewer/foxglove/door.hpp"
-#include "services/viewer/show.hpp"
+#include "services/viewer/foxglove/endpoint.hpp"
+#include "services/viewer/foxglove_state.hpp"
 
 namespace curbstone::viewer {
 
@@ -13,8 +13,8 @@ namespace curbstone::viewer {
 class FoxgloveNode final : public Node {
  public:
   /// All arguments but `session` must outlive this. `session`: unique for each run of the process.
-  FoxgloveNode(const ViewerConfig& config, ViewerNode& node, web::Audience& clients, const std::string& session)
-      : node_(node), vehicle_(config.vehicle), show_(node, vehicle_), door_(clients, session) {}
+  FoxgloveNode(const ViewerConfig& config, ViewerNode& node, web::Connections& clients, const std::string& session)
+      : node_(node), vehicle_(config.vehicle), state_(node, vehicle_), endpoint_(clients, session) {}
 
   void connect(Subscriber& bus) override;
   void tick(std::int64_t now) override;
@@ -23,8 +23,8 @@ class FoxgloveNode final : public Node {
  private:
   ViewerNode& node_;
   VehicleConfig vehicle_;
-  Show show_;
-  foxglove::Door door_;
+  FoxgloveState state_;
+  foxglove::Endpoint endpoint_;
   Subscriber* subscriber_ = nullptr;
   bool points_wanted_ = false;      // by a client, at present
   bool points_subscribed_ = false;  // stays true: the bus has no unsubscribe

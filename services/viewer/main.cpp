@@ -42,14 +42,14 @@ class Viewer final : public Node {
 
  private:
   void open_door(const viewer::ViewerConfig& config) {
-    door_.emplace(viewer::door_settings(config));
-    foxglove_.emplace(config, node_, *door_, std::to_string(wall_clock()));
-    fmt::print("viewer: for Foxglove: ws://{}:{}\n", config.address, door_->port());
+    endpoint_.emplace(viewer::endpoint_settings(config));
+    foxglove_.emplace(config, node_, *endpoint_, std::to_string(wall_clock()));
+    fmt::print("viewer: for Foxglove: ws://{}:{}\n", config.address, endpoint_->port());
   }
 
   viewer::web::WebServer server_;
   viewer::ViewerNode node_;
-  std::optional<viewer::web::WebServer> door_;
+  std::optional<viewer::web::WebServer> endpoint_;
   std::optional<viewer::FoxgloveNode> foxglove_;
 };
 

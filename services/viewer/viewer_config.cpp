@@ -37,14 +37,14 @@ web::WebSettings web_settings(const ViewerConfig& config) {
   return settings;
 }
 
-web::WebSettings door_settings(const ViewerConfig& config) {
+web::WebSettings endpoint_settings(const ViewerConfig& config) {
   web::WebSettings settings = web_settings(config);
   settings.port = static_cast<std::uint16_t>(config.foxglove_port);
   settings.ports = 1;
   settings.subprotocols.assign(std::begin(foxglove::kSubprotocols), std::end(foxglove::kSubprotocols));
   settings.origins = split_names(config.foxglove_origins);
   settings.limits.message_bytes = 16'384;            // a client asks for all topics at once
-  settings.limits.frames = 10'000;                   // foxglove::Door bounds their bytes
+  settings.limits.frames = 10'000;                   // foxglove::Endpoint bounds their bytes
   settings.limits.write = std::chrono::seconds(30);  // the whole map is 24 MB
   return settings;
 }

@@ -46,7 +46,7 @@ struct ViewerConfig {
 /// Settings of the server for the page.
 [[nodiscard]] web::WebSettings web_settings(const ViewerConfig& config);
 /// Settings of the server for Foxglove.
-[[nodiscard]] web::WebSettings door_settings(const ViewerConfig& config);
+[[nodiscard]] web::WebSettings endpoint_settings(const ViewerConfig& config);
 /// The address of the page: "http://127.0.0.1:8088/".
 [[nodiscard]] std::string page_address(const ViewerConfig& config, std::uint16_t port);
 

@@ -38,10 +38,10 @@ std::string requester(const ViewerNode::Source& source) {
 
 }  // namespace
 
-ViewerNode::ViewerNode(const ViewerConfig& config, Publisher& bus, web::Audience& audience, Source source)
+ViewerNode::ViewerNode(const ViewerConfig& config, Publisher& bus, web::Connections& connections, Source source)
     : config_(config),
       bus_(bus),
-      audience_(audience),
+      connections_(connections),
       source_(std::move(source)),
       run_(draw_run()),
       tiles_(requester(source_), "SEMANTIC_TILE"),
@@ -70,7 +70,7 @@ void ViewerNode::watch_scan() {
 
 bool ViewerNode::follow_epoch(std::int32_t epoch, EpochFollower::Source source) {
   heard();
-  const EpochFollower::Verdict verdict = epochs_.hear(epoch, source, now_);
+  const EpochFollower::Verdict verdict = epochs_.observe(epoch, source, now_);
   if (verdict == EpochFollower::Verdict::kEntered) enter_epoch(epoch);
   if (verdict == EpochFollower::Verdict::kEntered || verdict == EpochFollower::Verdict::kPresent) return true;
   counters_.add("dropped.other_epoch");
@@ -86,7 +86,7 @@ void ViewerNode::forget_map() {
   pose_.reset();
 }
 
-void ViewerNode::begin_again() {
+void ViewerNode::restart() {
   forget_map();
   run_ = draw_run();
   epochs_ = {};
@@ -96,7 +96,7 @@ void ViewerNode::begin_again() {
   localized_.reset();
   bus_heard_ = tile_heard_ = pose_heard_ = newest_utime_ = 0;
   for (auto& [id, page] : pages_) {
-    if (page.feed) page.feed->begin_again();
+    if (page.feed) page.feed->restart();
   }
 }
 
@@ -207,25 +207,25 @@ void ViewerNode::on(const lidar_points_t& message) {
   if (scan_wanted_ && !scan_.put(message)) counters_.add("refused.points");
 }
 
-void ViewerNode::hear(const web::Audience::Event& event) {
-  using Kind = web::Audience::Event::Kind;
-  if (event.kind == Kind::kCame) pages_.try_emplace(event.page);
-  if (event.kind == Kind::kLeft) pages_.erase(event.page);
+void ViewerNode::receive(const web::Connections::Event& event) {
+  using Kind = web::Connections::Event::Kind;
+  if (event.kind == Kind::kConnected) pages_.try_emplace(event.page);
+  if (event.kind == Kind::kDisconnected) pages_.erase(event.page);
   const auto page = pages_.find(event.page);
-  if (event.kind == Kind::kSaid && page != pages_.end()) hear(page->second, event);
+  if (event.kind == Kind::kMessage && page != pages_.end()) receive(page->second, event);
 }
 
-void ViewerNode::hear(Page& page, const web::Audience::Event& event) {
-  const PageWords said = read_page_words(event.text);
-  if (said.resumes) {
-    page.feed.emplace(said.has);
+void ViewerNode::receive(Page& page, const web::Connections::Event& event) {
+  const PageRequest request = parse_page_request(event.text);
+  if (request.resumes) {
+    page.feed.emplace(request.has);
     page.sent = 0;
     return;
   }
   if (!page.feed) return counters_.add("refused.nonsense");
-  if (said.drawn) return drawn(page, *said.drawn, event.at);
-  if (said.play && source_.on_order) return source_.on_order(*said.play);
-  if (said.points) return page.feed->want_points(*said.points);
+  if (request.drawn) return drawn(page, *request.drawn, event.at);
+  if (request.play && source_.on_order) return source_.on_order(*request.play);
+  if (request.points) return page.feed->want_points(*request.points);
   counters_.add("refused.nonsense");
 }
 
@@ -240,7 +240,7 @@ void ViewerNode::drawn(Page& page, std::uint32_t frame, std::int64_t at) {
 
 void ViewerNode::tick(std::int64_t now) {
   now_ = now;
-  for (const web::Audience::Event& event : audience_.take_events()) hear(event);
+  for (const web::Connections::Event& event : connections_.take_events()) receive(event);
   watch_scan();
   if (std::abs(now - last_request_) >= kRequestPeriod) {
     last_request_ = now;
@@ -274,7 +274,7 @@ void ViewerNode::send_frames() {
     }
     page.sent = now_;
     const std::string state = state_json(state_for(page), config_.vehicle);
-    audience_.send(id, std::make_shared<std::vector<std::uint8_t>>(page.feed->make(world(), state)));
+    connections_.send(id, std::make_shared<std::vector<std::uint8_t>>(page.feed->make(world(), state)));
     counters_.add("frames");
   }
 }
@@ -315,7 +315,7 @@ State ViewerNode::state_for(const Page& page) const {
 
 NodeReport ViewerNode::report() const {
   NodeReport report{.counters = counters_, .faults = {}};
-  const Counters of_pages = audience_.counters();
+  const Counters of_pages = connections_.counters();
   for (const auto& [name, value] : of_pages.values()) report.counters.set(name, value);
   set_level(report.counters, "pages", static_cast<std::int64_t>(pages_.size()));
   set_level(report.counters, "tiles_behind", static_cast<std::int64_t>(tiles_.behind()));

@@ -19,12 +19,12 @@
 #include "common/tile_sync/epoch_follower.hpp"
 #include "common/tile_sync/tile_sync.hpp"
 #include "services/viewer/frames/page_feed.hpp"
-#include "services/viewer/page_words.hpp"
+#include "services/viewer/page_request.hpp"
 #include "services/viewer/scan.hpp"
 #include "services/viewer/state_json.hpp"
 #include "services/viewer/store/services.hpp"
 #include "services/viewer/viewer_config.hpp"
-#include "services/viewer/web/audience.hpp"
+#include "services/viewer/web/connections.hpp"
 
 namespace curbstone::viewer {
 
@@ -33,21 +33,21 @@ namespace curbstone::viewer {
 /// unlike the other nodes it measures ages by the time of reception, not by the time of measurement.
 class ViewerNode final : public Node {
  public:
-  using PlayOrder = viewer::PlayOrder;
+  using PlaybackCommand = viewer::PlaybackCommand;
   /// What is shown, for the pages.
   struct Source {
     std::string kind = "live";  ///< or "map" (saved, never stale) or "replay"
     std::string title;
-    std::function<void(const PlayOrder&)> on_order = {};  ///< empty: pages cannot control playback
+    std::function<void(const PlaybackCommand&)> on_order = {};  ///< empty: pages cannot control playback
   };
-  ViewerNode(const ViewerConfig& config, Publisher& bus, web::Audience& audience, Source source);
+  ViewerNode(const ViewerConfig& config, Publisher& bus, web::Connections& connections, Source source);
 
   void connect(Subscriber& bus) override;
   void tick(std::int64_t now) override;
   [[nodiscard]] NodeReport report() const override;
 
   /// Discards all received data, as after a restart; the pages stay connected.
-  void begin_again();
+  void restart();
   /// The progress of the log that is played, for the pages.
   void set_playback(const Playback& playback) { playback_ = playback; }
   void set_title(const std::string& title) { source_.title = title; }
@@ -81,8 +81,8 @@ class ViewerNode final : public Node {
   void take(const map_trajectory_t& message);
   template <class Message>
   void take_lines(const Message& message, store::BoxedLines<Message>& lines, const std::string& name);
-  void hear(const web::Audience::Event& event);
-  void hear(Page& page, const web::Audience::Event& event);
+  void receive(const web::Connections::Event& event);
+  void receive(Page& page, const web::Connections::Event& event);
   void drawn(Page& page, std::uint32_t frame, std::int64_t at);
   void watch_scan();
   void send_frames();
@@ -92,7 +92,7 @@ class ViewerNode final : public Node {
 
   ViewerConfig config_;
   Publisher& bus_;
-  web::Audience& audience_;
+  web::Connections& connections_;
   Source source_;
   Subscriber* subscriber_ = nullptr;
   double run_ = 0;

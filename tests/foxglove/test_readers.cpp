@@ -11,7 +11,7 @@
 #include "services/viewer/viewer_node.hpp"
 #include "services/viewer/web/web_server.hpp"
 #include "tests/foxglove/readers.hpp"
-#include "tests/services/viewer/fake_audience.hpp"
+#include "tests/services/viewer/fake_connections.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/tools/export/mcap/shown_log.hpp"
 #include "tools/export/export.hpp"
@@ -66,21 +66,21 @@ TEST_F(FoxgloveReaders, ReadTheMcapFileByItsIndexAndFindThePublishedSchemas) {
   }
 }
 
-/// The log's drive on a bus, with the door open, until the client has seen what it wants.
+/// The log's drive on a bus, with the endpoint open, until the client has seen what it wants.
 TEST_F(FoxgloveReaders, ComeInThroughTheDoorByBothNamesOfTheProtocol) {
   viewer::ViewerConfig config;
-  viewer::FakeAudience pages;
+  viewer::FakeConnections pages;
   LocalBus bus;
   viewer::ViewerNode node(config, bus, pages, {.kind = "live", .title = ""});
-  viewer::web::WebServer server(viewer::door_settings(config));
-  viewer::FoxgloveNode door(config, node, server, "17");
+  viewer::web::WebServer server(viewer::endpoint_settings(config));
+  viewer::FoxgloveNode endpoint(config, node, server, "17");
   node.connect(bus);
-  door.connect(bus);
+  endpoint.connect(bus);
   const auto play = [&] {
     LogReader log(path("log"));
     while (const auto event = log.next()) {
       node.tick(event->log_utime);
-      door.tick(event->log_utime);
+      endpoint.tick(event->log_utime);
       bus.inject(event->channel, event->bytes.data(), static_cast<int>(event->bytes.size()));
       bus.dispatch();
     }

@@ -1,4 +1,4 @@
-// What a client of the door for Foxglove says: any text.
+// What a client of the endpoint for Foxglove says: any text.
 #include "services/viewer/foxglove/wire.hpp"
 #include "tests/fuzz/support/require.hpp"
 

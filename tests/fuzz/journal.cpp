@@ -11,12 +11,12 @@ namespace {
 using namespace curbstone;
 using mapper::journal::RecordedDrive;
 
-constexpr std::size_t kMostBytes = 1'000'000;
-constexpr std::size_t kMostNodes = 4;  // to go on with: a map of more takes longer than all else
+constexpr std::size_t kMaxBytes = 1'000'000;
+constexpr std::size_t kMaxNodes = 4;  // to go on with: a map of more takes longer than all else
 
 std::optional<RecordedDrive> read(const fuzz::MemoryFile& file, SpillFile* far) {
   try {
-    return mapper::journal::read_journal(file.name(), kMostBytes, "", far);
+    return mapper::journal::read_journal(file.name(), kMaxBytes, "", far);
   } catch (const mapper::journal::JournalError&) {
     return std::nullopt;
   }
@@ -43,7 +43,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::size_t records = 0;
   for (const auto& [key, tile] : drive->tiles) records += tile.content.records.size();
   fuzz::require(records <= bytes.size(), "no point is made up");
-  if (drive->nodes.size() > kMostNodes) return 0;
+  if (drive->nodes.size() > kMaxNodes) return 0;
   mapper::config::MapperConfig config;
   config.threads = 1;
   mapper::Mapper successor(config);

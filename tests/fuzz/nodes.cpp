@@ -162,7 +162,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto finite = [](const double* values, int n) {
     for (int i = 0; i < n; ++i) fuzz::require(std::isfinite(values[i]), "what the services say is finite");
   };
-  constexpr int kMostTurns = 10;
+  constexpr int kMaxTurns = 10;
   bool forged = false;  // what is on the bus is not all theirs
   bus.subscribe<odometry_t>("ODOMETRY", [&](const odometry_t& m) {
     if (!forged) finite(m.position, 3), finite(m.orientation, 4);
@@ -175,7 +175,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (fuzz::Input input(data, size); !input.empty();) {
     const auto choice = input.number<std::uint8_t>();
     if (choice == 0xFF) {
-      for (int more = input.number<std::uint8_t>() % 8 + 1; more > 0 && turns < kMostTurns; --more, ++turns)
+      for (int more = input.number<std::uint8_t>() % 8 + 1; more > 0 && turns < kMaxTurns; --more, ++turns)
         vehicle.drive_a_turn(now);
       continue;
     }

@@ -103,7 +103,7 @@ class VotingStreet : private Publisher {
   /// Of a worker beside another.
   static bool owns(const std::string& worker, const std::string& other, TileKey key) {
     tensor_voting::worker::RendezvousOwners workers(worker, kSecond);
-    workers.heard(other, 0);
+    workers.on_heartbeat(other, 0);
     (void)workers.update(0);
     return workers.owns(key);
   }

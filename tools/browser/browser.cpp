@@ -238,13 +238,13 @@ json Browser::call(const std::string& method, json parameters) {
     if (n <= 0) throw std::runtime_error("the browser has ended");
     sent += static_cast<std::size_t>(n);
   }
-  const json answer = hear(last_id_);
+  const json answer = receive(last_id_);
   if (answer.contains("error"))
     throw DevToolsError(method + ": " + answer["error"].dump(), answer["error"].value("code", 0));
   return answer["result"];
 }
 
-json Browser::hear(int id) {
+json Browser::receive(int id) {
   const auto end = Clock::now() + kPatience;
   while (Clock::now() < end) {
     for (std::size_t stop = heard_.find('\0'); stop != std::string::npos; stop = heard_.find('\0')) {

@@ -67,7 +67,7 @@ class Browser {
  private:
   nlohmann::json call(const std::string& method, nlohmann::json parameters = nlohmann::json::object());
   void mouse(const std::string& type, double x, double y, int buttons = 0, int clicks = 0, const char* button = "left");
-  nlohmann::json hear(int id);
+  nlohmann::json receive(int id);
   void note(const nlohmann::json& event);
   std::string png();
 

@@ -18,7 +18,7 @@ constexpr double kCamber = 0.01;      // rad, 1 sigma: roads have a crossfall of
 constexpr NoiseLevels kFirstGuess = {0.01, 0.01, 0.01, 0.005, 0.002, 0.002, 0.05};
 
 /// Lower bounds of the noise, however small the residuals: errors of tyres, roads and maps are larger, and systematic.
-constexpr NoiseLevels kLeast = {0.002, 0.003, 0.003, 0.002, 5e-4, 3e-4, 0.01};
+constexpr NoiseLevels kMinNoise = {0.002, 0.003, 0.003, 0.002, 5e-4, 3e-4, 0.01};
 
 }  // namespace
 
@@ -141,7 +141,7 @@ class CalibrationSolver::Problem {
       if (all.empty()) continue;
       const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
       std::nth_element(all.begin(), middle, all.end());
-      noise_[kind] = std::max(kLeast[kind], noise_[kind] * 1.4826 * *middle);
+      noise_[kind] = std::max(kMinNoise[kind], noise_[kind] * 1.4826 * *middle);
     }
   }
 

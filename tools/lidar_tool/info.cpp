@@ -15,8 +15,8 @@ using lidar::models::Sender;
 
 namespace {
 
-constexpr std::size_t kMostDevices = 8;
-constexpr std::size_t kMostStreams = 8;
+constexpr std::size_t kMaxDevices = 8;
+constexpr std::size_t kMaxStreams = 8;
 
 std::string line(const std::string& what, const std::string& text) {
   return fmt::format("  {:<9} {}\n", what, text);
@@ -123,7 +123,7 @@ std::string device_text(const Packets& packets, const Device& device) {
       device.model ? fmt::format("{} (model: {})", lidar::models::table_of(*device.model).title,
                                  lidar::models::table_of(*device.model).name)
                    : fmt::format("{}, whose points this program does not read", lidar::models::title_of(kind)));
-  for (std::size_t i = 0; i < std::min(device.streams.size(), kMostStreams); ++i)
+  for (std::size_t i = 0; i < std::min(device.streams.size(), kMaxStreams); ++i)
     text += line("port", stream_text(device.streams[i]));
   return device.model ? text + sensor_text(packets, device) : text;
 }
@@ -136,8 +136,8 @@ std::string info_text(const Packets& packets, const std::string& name) {
   for (const Device& device : devices) count += device.packets();
   std::string text =
       fmt::format("{}: {} UDP packets of {} senders{}\n", name, count, devices.size(), packets.skipped());
-  for (std::size_t i = 0; i < std::min(devices.size(), kMostDevices); ++i) text += device_text(packets, devices[i]);
-  if (devices.size() > kMostDevices) text += fmt::format("\n{} more senders\n", devices.size() - kMostDevices);
+  for (std::size_t i = 0; i < std::min(devices.size(), kMaxDevices); ++i) text += device_text(packets, devices[i]);
+  if (devices.size() > kMaxDevices) text += fmt::format("\n{} more senders\n", devices.size() - kMaxDevices);
   return text;
 }
 

@@ -19,7 +19,7 @@ std::string clock_line(const Sensor& sensor) {
 }  // namespace
 
 void Watch::on_packet(const Packet& packet) {
-  if (!devices_.contains(packet.sender) && devices_.size() >= kMostDevices) return;
+  if (!devices_.contains(packet.sender) && devices_.size() >= kMaxDevices) return;
   Watched& watched = devices_[packet.sender];
   ++watched.packets;
   const lidar::models::Sender kind = lidar::models::sender_of(packet.bytes);

@@ -29,7 +29,7 @@ class Watch {
   };
   [[nodiscard]] static std::string line_of(lidar::sources::Ipv4 address, Watched& watched);
 
-  static constexpr std::size_t kMostDevices = 32;
+  static constexpr std::size_t kMaxDevices = 32;
   std::map<lidar::sources::Ipv4, Watched> devices_;
   std::int64_t began_ = 0;  ///< us, start of the second; 0: none yet
 };

@@ -21,7 +21,7 @@ constexpr double kBetweenEllipses = 5.0;  // m
 constexpr double kSigmas = 3.0;
 constexpr double kTimes = 20.0;     // magnification: ellipses of centimetres would not be visible
 constexpr double kUnknown = 100.0;  // m, 1 sigma: the pose is still unknown
-constexpr double kMostJump = 5.0;   // m; a jump from a guess to the localised pose is not drawn
+constexpr double kMaxJump = 5.0;    // m; a jump from a guess to the localised pose is not drawn
 
 Eigen::Vector2d position(const map_pose_t& pose) {
   return {pose.map_base_position[0], pose.map_base_position[1]};
@@ -55,9 +55,9 @@ std::vector<PictureLine> overlays_of(const std::vector<map_pose_t>& poses) {
     if (!(std::sqrt(static_cast<double>(pose.covariance[0])) < kUnknown)) continue;
     const double step = last == nullptr ? 0 : (position(pose) - position(*last)).norm();
     const Colour colour = is_lost(pose) ? kLost : kKnown;
-    if (last == nullptr || step > kMostJump || is_lost(pose) != is_lost(*last)) {
+    if (last == nullptr || step > kMaxJump || is_lost(pose) != is_lost(*last)) {
       lines.push_back({{}, colour, 2.5});
-      if (last != nullptr && step <= kMostJump) lines.back().points.push_back(position(*last));
+      if (last != nullptr && step <= kMaxJump) lines.back().points.push_back(position(*last));
     }
     lines.back().points.push_back(position(pose));
     since_ellipse += step;

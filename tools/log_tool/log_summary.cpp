@@ -14,7 +14,7 @@ namespace curbstone::log_tool {
 namespace {
 
 constexpr std::int64_t kGap = 1'000'000;  // us
-constexpr std::size_t kMostConfigs = 200;
+constexpr std::size_t kMaxConfigs = 200;
 
 double to_seconds(std::int64_t us) {
   return static_cast<double>(us) * 1e-6;
@@ -40,11 +40,11 @@ void LogSummary::take(const LogEvent& event) {
   channel.bytes += static_cast<std::int64_t>(event.bytes.size());
   channel.longest_gap = std::max(channel.longest_gap, utime - channel.last_utime);
   channel.last_utime = std::max(channel.last_utime, utime);
-  if (event.bytes.size() >= 8 && channel.fingerprints.size() < ChannelSummary::kMostFingerprints)
+  if (event.bytes.size() >= 8 && channel.fingerprints.size() < ChannelSummary::kMaxFingerprints)
     channel.fingerprints.insert(static_cast<std::int64_t>(read_big_endian<std::uint64_t>(event.bytes)));
 
   service_config_t config;
-  if (event.channel == "CONFIG" && configs_.size() < kMostConfigs &&
+  if (event.channel == "CONFIG" && configs_.size() < kMaxConfigs &&
       decode(event.bytes.data(), static_cast<int>(event.bytes.size()), config))
     configs_.insert(fmt::format("{} on {}, version {}", config.service, config.host, config.version));
 }
@@ -60,14 +60,14 @@ void LogSummary::cover(std::int64_t utime) {
   } else if (joins_after) {
     const std::int64_t to = after->second;
     spans_.emplace_hint(spans_.erase(after), utime, to);
-  } else if (spans_.size() < kMostSpans) {
+  } else if (spans_.size() < kMaxSpans) {
     spans_.emplace_hint(after, utime, utime);
   }
 }
 
 std::vector<std::string> LogSummary::gaps() const {
   std::vector<std::string> gaps;
-  for (auto span = spans_.begin(); span != spans_.end() && gaps.size() < kMostGaps; ++span) {
+  for (auto span = spans_.begin(); span != spans_.end() && gaps.size() < kMaxGaps; ++span) {
     if (const auto next = std::next(span); next != spans_.end())
       gaps.push_back(
           fmt::format("{:.1f} .. {:.1f} s", to_seconds(span->second - begin_), to_seconds(next->first - begin_)));

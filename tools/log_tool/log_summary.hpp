@@ -17,8 +17,8 @@ struct ChannelSummary {
   std::int64_t first_utime = 0;  ///< us, of the records
   std::int64_t last_utime = 0;
   std::int64_t longest_gap = 0;         ///< us between two records
-  std::set<std::int64_t> fingerprints;  ///< at most kMostFingerprints
-  static constexpr std::size_t kMostFingerprints = 5;
+  std::set<std::int64_t> fingerprints;  ///< at most kMaxFingerprints
+  static constexpr std::size_t kMaxFingerprints = 5;
 
   [[nodiscard]] double hz() const;
 };
@@ -38,8 +38,8 @@ class LogSummary {
   [[nodiscard]] const std::set<std::string>& configs() const { return configs_; }
 
  private:
-  static constexpr std::size_t kMostGaps = 100;
-  static constexpr std::size_t kMostSpans = 10'000;  // damaged times may give one span per record
+  static constexpr std::size_t kMaxGaps = 100;
+  static constexpr std::size_t kMaxSpans = 10'000;  // damaged times may give one span per record
   void cover(std::int64_t utime);
 
   std::map<std::string, ChannelSummary> channels_;

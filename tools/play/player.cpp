@@ -9,7 +9,7 @@ namespace curbstone::play {
 
 namespace {
 
-constexpr std::int64_t kMostAtOnce = 100'000;  // us of the caller's clock, caught up per call
+constexpr std::int64_t kMaxAtOnce = 100'000;  // us of the caller's clock, caught up per call
 
 /// Wraps encoded bytes as a message, for Publisher.
 struct EncodedMessage {
@@ -37,7 +37,7 @@ void Player::open() {
 }
 
 void Player::advance(std::int64_t now) {
-  const std::int64_t passed = std::clamp<std::int64_t>(now - last_now_.value_or(now), 0, kMostAtOnce);
+  const std::int64_t passed = std::clamp<std::int64_t>(now - last_now_.value_or(now), 0, kMaxAtOnce);
   last_now_ = now;
   if (!paused_) publish_until(position_ + std::llround(static_cast<double>(passed) * speed_));
 }

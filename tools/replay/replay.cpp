@@ -64,12 +64,13 @@ class ConfigWatch {
   explicit ConfigWatch(const VehicleLine& vehicle) : vehicle_(vehicle) {}
 
   void on(const service_config_t& recorded) {
-    if (!seen_.insert(recorded.service + recorded.yaml + recorded.version).second || seen_.size() > kMost) return;
+    if (!seen_.insert(recorded.service + recorded.yaml + recorded.version).second || seen_.size() > kMaxConfigs) return;
     for (const auto& stage : vehicle_.stages()) {
       if (stage.name != recorded.section) continue;
-      for (const std::string& difference : config_differences(stage.config, recorded.yaml)) say(difference);
+      for (const std::string& difference : config_differences(stage.config, recorded.yaml)) print_line(difference);
       if (recorded.version != version())
-        say(fmt::format("{} was recorded by version {}, this is {}", recorded.service, recorded.version, version()));
+        print_line(
+            fmt::format("{} was recorded by version {}, this is {}", recorded.service, recorded.version, version()));
     }
   }
   void say_all() const {
@@ -77,9 +78,9 @@ class ConfigWatch {
   }
 
  private:
-  static constexpr std::size_t kMost = 1000;  // bound, because a log may contain anything
+  static constexpr std::size_t kMaxConfigs = 1000;  // bound, because a log may contain anything
 
-  void say(const std::string& line) {
+  void print_line(const std::string& line) {
     if (std::find(lines_.begin(), lines_.end(), line) == lines_.end()) lines_.push_back(line);
   }
 

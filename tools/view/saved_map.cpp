@@ -96,7 +96,7 @@ void ShownMap::show(std::int64_t now) {
   // A node ignores an epoch ahead of the clock; there is no other epoch here.
   const auto epoch = static_cast<std::int32_t>(std::min<std::int64_t>(reader.epoch(), now / 1'000'000));
   if (epoch_ && (*epoch_ != epoch || shown_as_.inode[0] != now_is.inode[0])) {
-    node_.begin_again();
+    node_.restart();
     passed_on_.clear();
   }
   epoch_ = epoch;

@@ -48,14 +48,14 @@ class Playing {
     drive_->set_speed(speed_);
   }
 
-  void obey(const viewer::ViewerNode::PlayOrder& order, viewer::ViewerNode& node) {
+  void obey(const viewer::ViewerNode::PlaybackCommand& order, viewer::ViewerNode& node) {
     if (order.pause) paused_ = *order.pause;
     if (order.speed) speed_ = *order.speed;
     if (order.position) {
       const auto place = static_cast<std::int64_t>(std::min(*order.position, kLongest) * 1e6);
       if (place < drive_->position()) {
         drive_ = std::make_unique<Drive>(logs_, shown_);
-        node.begin_again();
+        node.restart();
       }
       drive_->go_to(place);
     }
@@ -138,13 +138,13 @@ int run_view(int argc, char** argv) {
   viewer::ViewerNode node(config, bus, server, source);
   shown = &node;
   node.connect(bus);
-  std::optional<viewer::web::WebServer> door;
+  std::optional<viewer::web::WebServer> endpoint;
   std::optional<viewer::FoxgloveNode> foxglove;
   if (config.foxglove_port != 0) {
-    door.emplace(viewer::door_settings(config));
-    foxglove.emplace(config, node, *door, std::to_string(wall_clock()));
+    endpoint.emplace(viewer::endpoint_settings(config));
+    foxglove.emplace(config, node, *endpoint, std::to_string(wall_clock()));
     foxglove->connect(bus);
-    fmt::print("view: for Foxglove: ws://{}:{}\n", config.address, door->port());
+    fmt::print("view: for Foxglove: ws://{}:{}\n", config.address, endpoint->port());
   }
   node.tick(wall_clock());
   if (playing && options.from > 0) playing->obey({.pause = {}, .speed = {}, .position = options.from}, node);

@@ -29,7 +29,7 @@ std::optional<std::int64_t> parse_stamp(std::string_view text) {
 /// "202##1AABB": flags, data; "20000088#00": an error, marked by bit 29
 bool is_other(std::string_view text) {
   constexpr std::uint32_t kError = 0x20000000;
-  constexpr std::size_t kMostData = 64;
+  constexpr std::size_t kMaxData = 64;
   const std::size_t hash = text.find('#');
   if (hash != 3 && hash != 8) return false;
   const auto id = parse_hex(text.substr(0, hash));
@@ -38,7 +38,7 @@ bool is_other(std::string_view text) {
   std::string_view payload = text.substr(hash + 1);
   const bool fd = !error && payload.starts_with('#') && payload.size() >= 2 && parse_hex(payload.substr(1, 1));
   if (fd) payload.remove_prefix(2);
-  std::array<std::uint8_t, kMostData> data;
+  std::array<std::uint8_t, kMaxData> data;
   return (fd || error) && parse_hex_bytes(payload, data);
 }
 

@@ -24,7 +24,7 @@ namespace {
 
 constexpr int kMaxReads = 256;  // at a time
 
-constexpr std::int64_t kFirstRestart = RetryPause::kFirst;  // us, after a bus-off
+constexpr std::int64_t kFirstRestart = RetryBackoff::kFirst;  // us, after a bus-off
 constexpr std::int64_t kLastRestart = 2'000'000;
 
 std::string cannot_open(const std::string& interface, const std::string& why) {

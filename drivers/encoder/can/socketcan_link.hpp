@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/bus/counters.hpp"
-#include "common/time/retry_pause.hpp"
+#include "common/time/retry_backoff.hpp"
 #include "drivers/encoder/can/can_link.hpp"
 #include "drivers/encoder/can/can_restart.hpp"
 
@@ -76,7 +76,7 @@ class SocketCanLink final : public CanLink {
   EventLoop* loop_ = nullptr;
   Handlers handlers_;
   std::string why_;  // reason why there is no socket
-  RetryPause retry_;
+  RetryBackoff retry_;
   Restart restart_;
   bool bus_off_ = false;
   std::int64_t restart_at_ = 0;     // us, steady clock

@@ -122,7 +122,7 @@ void DrivePoll::poll(const std::function<void(const Reading&)>& on_reading) {
 }
 
 bool DrivePoll::read_block(const std::function<void(const Reading&)>& on_reading) {
-  std::array<std::uint16_t, kMostRegisters> registers{};
+  std::array<std::uint16_t, kMaxRegisters> registers{};
   const Block& block = kBlocks[level_];
   if (!read(block, registers)) {
     const bool unknown = last_.outcome == Outcome::kException && last_.exception == kIllegalAddress;
@@ -152,21 +152,21 @@ bool DrivePoll::read_block(const std::function<void(const Reading&)>& on_reading
 }
 
 void DrivePoll::read_status(const Block& block) {
-  std::array<std::uint16_t, kMostRegisters> registers{};
+  std::array<std::uint16_t, kMaxRegisters> registers{};
   if (!read(block, registers)) return;
   reading_.state = drive_state(registers[0]);
   reading_.state_utime = last_.utime;
 }
 
 void DrivePoll::read_faults() {
-  std::array<std::uint16_t, kMostRegisters> registers{};
+  std::array<std::uint16_t, kMaxRegisters> registers{};
   if (!read(kFaults, registers)) return;
   reading_.faults = {registers[0], registers[1]};
   reading_.faults_utime = last_.utime;
 }
 
 void DrivePoll::read_encoder_lines() {
-  std::array<std::uint16_t, kMostRegisters> registers{};
+  std::array<std::uint16_t, kMaxRegisters> registers{};
   const bool ok = read(kEncoderLines, registers);
   if (ok) reading_.encoder_lines = registers[0];
   asked_lines_ = ok || last_.outcome == Outcome::kException;

@@ -70,13 +70,13 @@ void ModbusLink::run(const std::stop_token& stop) {
     std::int64_t due = steady_clock();
     while (!stop.stop_requested() && !poll_.must_reopen()) {
       poll_.tick(steady_clock());
-      poll_.poll([this](const Reading& reading) { tell({reading, true, {}}); });
+      poll_.poll([this](const Reading& reading) { post({reading, true, {}}); });
       share_report();
       due = std::max(due + period_, steady_clock() + kGap);  // after a delay no burst of polls
       if (!sleep_until(due, stop)) break;
     }
     client_.close();
-    if (!stop.stop_requested()) tell({{}, false, fmt::format("Modbus {}: lost; opening it anew", client_.name())});
+    if (!stop.stop_requested()) post({{}, false, fmt::format("Modbus {}: lost; opening it anew", client_.name())});
   }
 }
 
@@ -87,10 +87,10 @@ bool ModbusLink::open(const std::stop_token& stop) {
     if (why.empty()) {
       ++openings_;
       poll_.restart();
-      tell({{}, true, {}});
+      post({{}, true, {}});
       return true;
     }
-    tell({{}, false, why});
+    post({{}, false, why});
     poll_.tick(steady_clock());
     share_report();
     if (!sleep_until(steady_clock() + wait, stop)) return false;
@@ -106,7 +106,7 @@ bool ModbusLink::sleep_until(std::int64_t time, const std::stop_token& stop) {
   return !stop.stop_requested();
 }
 
-void ModbusLink::tell(Event event) {
+void ModbusLink::post(Event event) {
   {
     const std::lock_guard lock(mutex_);
     if (queue_.size() == kMaxQueue) {

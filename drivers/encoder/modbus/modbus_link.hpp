@@ -52,7 +52,7 @@ class ModbusLink {
 
   void run(const std::stop_token& stop);
   bool open(const std::stop_token& stop);
-  void tell(Event event);
+  void post(Event event);
   void share_report();
   bool sleep_until(std::int64_t time, const std::stop_token& stop);
   void on_readable();

@@ -21,7 +21,7 @@ inline constexpr Block kFaults{0x20A5, 2};
 inline constexpr Block kStatus{0x20A2, 1};
 inline constexpr Block kStatusHallTemperature{0x20A2, 3};
 inline constexpr Block kEncoderLines{0x2030, 1};  ///< of the left wheel's motor
-inline constexpr int kMostRegisters = 8;          ///< largest of the blocks above
+inline constexpr int kMaxRegisters = 8;           ///< largest of the blocks above
 
 /// Decodes two int32, each with its high word first, left before right. Index 0 is the left wheel.
 [[nodiscard]] std::array<std::int32_t, 2> positions(std::span<const std::uint16_t, 4> registers);

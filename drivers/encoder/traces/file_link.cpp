@@ -7,7 +7,7 @@
 namespace curbstone::encoder::traces {
 
 namespace {
-constexpr int kMostAtOnce = 64;  // frames per millisecond: no bus has larger bursts
+constexpr int kMaxAtOnce = 64;  // frames per millisecond: no bus has larger bursts
 }
 
 FileLink::FileLink(const std::string& path, double rate, std::vector<std::uint32_t> ours)
@@ -24,9 +24,9 @@ void FileLink::attach(EventLoop& loop, Handlers handlers) {
 
 void FileLink::feed() {
   const std::int64_t now = steady_clock();
-  for (int i = 0; i < kMostAtOnce && next_; ++i) {
+  for (int i = 0; i < kMaxAtOnce && next_; ++i) {
     if (!pace_.due(next_->utime, now)) return;
-    hand_over(*next_);
+    deliver(*next_);
     const std::int64_t utime = next_->utime;
     next_ = file_.next();
     for (; refused_ < file_.counters()["refused.trace_line"]; ++refused_)
@@ -35,7 +35,7 @@ void FileLink::feed() {
   if (!next_) loop_->stop();
 }
 
-void FileLink::hand_over(const TraceFile::Frame& frame) {
+void FileLink::deliver(const TraceFile::Frame& frame) {
   if (time_.take(frame.utime)) return handlers_.on_frame(frame.utime, frame.frame);
   counters_.add("refused.trace_time");
   handlers_.on_refused(frame.utime, "refused.trace_time");

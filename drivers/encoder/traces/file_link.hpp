@@ -26,7 +26,7 @@ class FileLink final : public can::CanLink {
 
  private:
   void feed();
-  void hand_over(const TraceFile::Frame& frame);
+  void deliver(const TraceFile::Frame& frame);
 
   TraceFile file_;
   ReplayPace pace_;

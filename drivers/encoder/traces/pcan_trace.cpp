@@ -11,8 +11,8 @@ namespace curbstone::encoder::traces {
 namespace {
 
 constexpr double kEpochDay = 25569;  // 1970-01-01, in days since 1899-12-30
-constexpr double kMostDays = 100'000;
-constexpr double kMostOffset = 1e12;  // ms: 30 years
+constexpr double kMaxDays = 100'000;
+constexpr double kMaxOffset = 1e12;  // ms: 30 years
 constexpr std::size_t kMaxColumns = 16;
 
 std::optional<double> parse_number(std::string_view text) {
@@ -68,7 +68,7 @@ void PcanTrace::on_keyword(std::string_view line) {
     columns_ = old_ ? "NOTILD" : value == "2.0" ? "NOTIdlD" : "NOTBIdRLD";
   } else if (key == ";$STARTTIME") {
     const auto days = parse_number(value);
-    if (days && *days >= kEpochDay && *days <= kMostDays) start_ = std::llround((*days - kEpochDay) * 86400e6);
+    if (days && *days >= kEpochDay && *days <= kMaxDays) start_ = std::llround((*days - kEpochDay) * 86400e6);
   } else if (key == ";$COLUMNS") {
     columns_.clear();
     for (const char c : value) {
@@ -97,7 +97,7 @@ PcanTrace::Line PcanTrace::parse(std::string_view text) {
     if (word.empty()) return line;
     if (column == 'O') {
       const auto offset = parse_number(word);
-      if (!offset || *offset < 0 || *offset > kMostOffset) return line;
+      if (!offset || *offset < 0 || *offset > kMaxOffset) return line;
       line.utime = start_ + std::llround(*offset * 1e3);
     } else if (column == 'T') {
       type = type_of(word, old_);

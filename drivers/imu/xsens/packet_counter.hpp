@@ -14,11 +14,11 @@ namespace curbstone::imu::xsens {
 /// only if no other message had it.
 class PacketCounter {
  public:
-  static constexpr int kMostLate = 16;  ///< messages
+  static constexpr int kMaxLate = 16;  ///< messages
 
   /// From the latest used sample to this one.
   struct Gap {
-    int ahead = 1;   ///< messages; 1: the next one; negative, down to -kMostLate: it is late
+    int ahead = 1;   ///< messages; 1: the next one; negative, down to -kMaxLate: it is late
     int others = 0;  ///< of these, received messages that are not samples
     int lost = 0;    ///< messages that were not received
   };
@@ -31,7 +31,7 @@ class PacketCounter {
   [[nodiscard]] std::optional<Gap> gap(std::uint16_t counter) const {
     if (!last_) return {};
     const auto distance = static_cast<std::uint16_t>(counter - *last_);
-    if (distance >= 65536 - kMostLate) return Gap{distance - 65536, 0, 0};
+    if (distance >= 65536 - kMaxLate) return Gap{distance - 65536, 0, 0};
     const int others = others_.between(*last_, distance), refused = refused_.between(*last_, distance);
     return Gap{distance, others, std::max(distance - 1 - others - refused, 0)};
   }
@@ -78,7 +78,7 @@ class PacketCounter {
   /// Remembers the latest counters that are missing before this one.
   void note_lost(std::uint16_t counter) {
     if (!last_ || gap(counter)->lost == 0) return;
-    for (int back = 1; back <= kMostLate; ++back) {
+    for (int back = 1; back <= kMaxLate; ++back) {
       const auto missing = static_cast<std::uint16_t>(counter - back);
       if (missing == *last_) break;
       if (!others_.has(missing) && !refused_.has(missing)) lost_[next_lost_++ % lost_.size()] = missing;
@@ -86,7 +86,7 @@ class PacketCounter {
   }
 
   std::optional<std::uint16_t> last_;
-  std::array<std::optional<std::uint16_t>, kMostLate> lost_{};
+  std::array<std::optional<std::uint16_t>, kMaxLate> lost_{};
   std::size_t next_lost_ = 0;
   Came others_;
   Came refused_;

@@ -8,11 +8,11 @@ namespace curbstone::lidar::decoding {
 
 namespace {
 
-constexpr int kCircle = 36000;      // 0.01 deg
-constexpr int kStepBack = 1000;     // a backward step of less than this is one; a larger one is a wide blind zone
-constexpr int kFastest = 100;       // more than any motor speed: 20, 40, 80 at 5, 10, 20 Hz
-constexpr int kSlowest = 3;         // slower: the head stands, or its azimuth is stuck; the bytes do not show which
-constexpr int kLeastTolerance = 8;  // rounding and jitter; the steps of a Helios are within 6 of their median
+constexpr int kCircle = 36000;    // 0.01 deg
+constexpr int kStepBack = 1000;   // a backward step of less than this is one; a larger one is a wide blind zone
+constexpr int kFastest = 100;     // more than any motor speed: 20, 40, 80 at 5, 10, 20 Hz
+constexpr int kSlowest = 3;       // slower: the head stands, or its azimuth is stuck; the bytes do not show which
+constexpr int kMinTolerance = 8;  // rounding and jitter; the steps of a Helios are within 6 of their median
 
 int step(std::uint16_t from, std::uint16_t to) {
   const int forward = (to - from + kCircle) % kCircle;
@@ -20,19 +20,19 @@ int step(std::uint16_t from, std::uint16_t to) {
 }
 
 int tolerance(int median) {
-  return std::max(kLeastTolerance, median / 4);
+  return std::max(kMinTolerance, median / 4);
 }
 
 }  // namespace
 
 BlockSteps block_steps(std::span<const std::uint16_t> azimuths, const BlindZone& blind_zone, double block_period,
                        std::span<BlockSpan> spans) {
-  std::array<int, kMostBlocks - 1> steps{};
+  std::array<int, kMaxBlocks - 1> steps{};
   const std::size_t count = azimuths.size() - 1;
   for (std::size_t i = 0; i < count; ++i) steps[i] = step(azimuths[i], azimuths[i + 1]);
   const std::span<const int> all(steps.data(), count);
 
-  std::array<int, kMostBlocks - 1> sorted = steps;
+  std::array<int, kMaxBlocks - 1> sorted = steps;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(count / 2);
   std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(count));
   const int median = *middle;

@@ -29,8 +29,8 @@ struct BlockSteps {
 /// head that stands are not used either. Source: rs_driver 4eeadace, Rs16SingleReturnBlockIterator, which takes any
 /// step of more than 1 deg for a blind zone.
 ///
-/// `spans` has as many elements as `azimuths`, at most kMostBlocks. `block_period` in any unit of time.
-inline constexpr std::size_t kMostBlocks = 12;
+/// `spans` has as many elements as `azimuths`, at most kMaxBlocks. `block_period` in any unit of time.
+inline constexpr std::size_t kMaxBlocks = 12;
 [[nodiscard]] BlockSteps block_steps(std::span<const std::uint16_t> azimuths, const BlindZone& blind_zone,
                                      double block_period, std::span<BlockSpan> spans);
 

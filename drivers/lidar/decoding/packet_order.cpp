@@ -85,7 +85,7 @@ Refusal PacketOrder::take(std::int64_t received) {
     confirmed_ = std::abs(delay) <= kClocksAgree;
   }
   const long ahead = base_ && !restarted_ ? missing(*base_, now) : 0;
-  in_order_ = !waiting && (ahead == 0 || ahead > static_cast<long>(kMostHeld));
+  in_order_ = !waiting && (ahead == 0 || ahead > static_cast<long>(kMaxHeld));
   if (!base_ || restarted_ || now.stamp > base_->stamp) base_ = now;
   hold();
   return Refusal::kNone;
@@ -145,7 +145,7 @@ void PacketOrder::hold() {
     const auto end = held_.begin() + static_cast<std::ptrdiff_t>(held_count_);
     if (std::find(held_.begin(), end, slot) == end) spare_ = slot;
   }
-  if (held_count_ > kMostHeld) draining_ = true;
+  if (held_count_ > kMaxHeld) draining_ = true;
 }
 
 void PacketOrder::discard_held() {
@@ -159,7 +159,7 @@ bool PacketOrder::due(const PendingPacket& packet) const {
   if (!confirmed_) return false;
   if (!sent_) return true;
   const long before = missing(*sent_, mark(packet));
-  return before <= 0 || before > static_cast<long>(kMostHeld);
+  return before <= 0 || before > static_cast<long>(kMaxHeld);
 }
 
 /// Number of packets missing between the two; negative if the second was fired first.

@@ -33,7 +33,7 @@ struct PendingPacket {
 class PacketOrder {
  public:
   static constexpr int kAgreeing = 10;
-  static constexpr std::size_t kMostHeld = 2;
+  static constexpr std::size_t kMaxHeld = 2;
 
   /// The buffer to decode the next packet into.
   [[nodiscard]] DecodedPacket& spare() { return slots_[spare_].points; }
@@ -80,10 +80,10 @@ class PacketOrder {
   void hold();
   void discard_held();
 
-  std::array<PendingPacket, kMostHeld + 3> slots_;
+  std::array<PendingPacket, kMaxHeld + 3> slots_;
   std::size_t spare_ = 0;
   std::size_t taken_ = 0;
-  std::array<std::size_t, kMostHeld + 1> held_{};  ///< slots, by stamp
+  std::array<std::size_t, kMaxHeld + 1> held_{};  ///< slots, by stamp
   std::size_t held_count_ = 0;
 
   std::optional<Mark> base_;  ///< the newest accepted packet

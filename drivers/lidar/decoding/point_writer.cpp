@@ -98,7 +98,7 @@ unsigned steps_to(double range, double step) {
 
 template <class Value>
 void resize_to_most(std::vector<Value>& values) {
-  values.resize(PointWriter::kMost + kCompactionSlack);
+  values.resize(PointWriter::kMaxPoints + kCompactionSlack);
 }
 
 }  // namespace

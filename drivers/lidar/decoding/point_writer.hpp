@@ -17,7 +17,7 @@ namespace curbstone::lidar::decoding {
 /// it, add() each block, then finish().
 class PointWriter {
  public:
-  static constexpr std::size_t kMost = 12 * kRecordsPerBlock;  ///< points of a packet: one per record
+  static constexpr std::size_t kMaxPoints = 12 * kRecordsPerBlock;  ///< points of a packet: one per record
 
   PointWriter(std::shared_ptr<const PointRules> rules, DecodedPacket& packet);
 
@@ -43,7 +43,7 @@ class PointWriter {
   unsigned most_;
   DecodedPacket& packet_;
   std::size_t count_ = 0;
-  std::array<std::uint32_t, kMost + kCompactionSlack> marks_;  ///< of all points: ring and intensity
+  std::array<std::uint32_t, kMaxPoints + kCompactionSlack> marks_;  ///< of all points: ring and intensity
 
   // Of the current block. Values of records without a return are undefined.
   alignas(64) Figures<float> x_;

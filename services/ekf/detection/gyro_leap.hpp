@@ -15,7 +15,7 @@ namespace curbstone::ekf::detection {
 /// half a second late. A value type; one thread.
 class GyroLeap {
  public:
-  static constexpr double kLeast = 0.0087;  ///< rad/s: 0.5 deg/s
+  static constexpr double kMinLeap = 0.0087;  ///< rad/s: 0.5 deg/s
 
   struct Leap {
     double rate = 0.0;       ///< rad/s that the gyro has shown in excess since the leap
@@ -39,7 +39,7 @@ class GyroLeap {
     const bool steady = std::max(before.variance, after.variance) < std::pow(kSteady * size, 2);
     const bool by_the_gyro = std::abs(first.by_gyro - last.by_gyro - leap.rate) < kSudden * size;
     const bool wheels_too = std::abs(first.by_wheels - last.by_wheels) > kQuiet * size;
-    if (size < kLeast || !steady || !by_the_gyro || wheels_too) return {};
+    if (size < kMinLeap || !steady || !by_the_gyro || wheels_too) return {};
     leap.seconds += 0.5 * intervals_[kSide].seconds;
     interrupt();
     return leap;

@@ -12,7 +12,7 @@ constexpr int kOften = 15;                  // changes by fine steps, more than 
 constexpr int kBlock = 300;                 // changes over which a coarse step is learnt
 constexpr int kLongRun = 5;                 // repeats after which an axis is not trusted again yet
 constexpr double kMostly = 0.8;  // share of the samples with a change of another axis in which both others change
-constexpr std::int64_t kLeast = 250'000;  // us, shortest run: a gyro with a 5 Hz filter has a new value by then
+constexpr std::int64_t kMinRun = 250'000;  // us, shortest run: a gyro with a 5 Hz filter has a new value by then
 
 }  // namespace
 
@@ -96,7 +96,7 @@ void GyroWatch::check_pair(std::size_t third, std::int64_t utime, const Eigen::V
 bool GyroWatch::is_proven_stuck(const Axis& axis, std::int64_t utime) const {
   if (axis.both_others_changed < kRun ||
       static_cast<double>(axis.both_others_changed) < kMostly * static_cast<double>(axis.others_changed) ||
-      utime - axis.since < kLeast)
+      utime - axis.since < kMinRun)
     return false;
   if (fine_changes_ >= kOften) return true;
   return step_ > 0 && utime - axis.since >= kLong &&

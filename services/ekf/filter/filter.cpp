@@ -4,14 +4,14 @@
 #include <cmath>
 #include <utility>
 
-#include "services/ekf/filter/doubt.hpp"
+#include "services/ekf/filter/covariance_inflation.hpp"
 
 namespace curbstone::ekf::filter {
 
 namespace {
 
 constexpr std::size_t kRecent = 1024;  // poses: 2.5 s at 400 Hz
-constexpr double kMostForce = 5.0;     // m/s^2: braking and rough roads; more means that the vehicle lies on its side
+constexpr double kMaxForce = 5.0;      // m/s^2: braking and rough roads; more means that the vehicle lies on its side
 constexpr std::size_t kMaxPending = 256;  // wheel samples between two IMU samples
 
 const char* name_of(detection::StartUp::Kind kind) {
@@ -127,7 +127,7 @@ bool Filter::continue_from_predecessor(const base::ImuSample& sample) {
   const double gap = base::seconds_between(predecessor->utime, sample.utime);
   const Eigen::Vector3d force = geometry_.R_base_imu * sample.acceleration - predecessor->mean.accelerometer_bias;
   const Eigen::Vector3d up = predecessor->mean.attitude.conjugate() * Eigen::Vector3d(0, 0, kGravity);
-  if (gap <= 0.0 || gap > kInheritance || (force - up).norm() > kMostForce) {
+  if (gap <= 0.0 || gap > kInheritance || (force - up).norm() > kMaxForce) {
     counters_.add("starts.not_inherited");
     return false;
   }

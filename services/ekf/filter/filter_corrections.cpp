@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "services/ekf/filter/doubt.hpp"
+#include "services/ekf/filter/covariance_inflation.hpp"
 #include "services/ekf/filter/filter.hpp"
 #include "services/ekf/filter/leap_correction.hpp"
 
@@ -194,19 +194,19 @@ void Filter::check_wheels(const inputs::WheelInterval& interval, const std::arra
                                            model::squared_mahalanobis(belief_, rows[1])};
   const std::array<bool, 2> faulty = {watch_.faulty(0), watch_.faulty(1)};
   slip_.judge(interval, distances, faulty, belief_.mean, mechanisation_.window(), counters_);
-  wheel_faults::WheelLook look;
-  look.begin = interval.begin;
-  look.end = interval.end;
-  look.yaw_rate = mechanisation_.window().motion().angular_rate.z();
-  look.inertial_speed = mechanisation_.window().inertial_speed();
+  wheel_faults::WheelObservation observation;
+  observation.begin = interval.begin;
+  observation.end = interval.end;
+  observation.yaw_rate = mechanisation_.window().motion().angular_rate.z();
+  observation.inertial_speed = mechanisation_.window().inertial_speed();
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
     const double residual = rows[wheel].residual[0];
-    look.speed[wheel] = interval.speed[wheel];
-    look.expected[wheel] = interval.speed[wheel] - residual;
-    look.sigma[wheel] = std::abs(residual) / std::sqrt(std::max(distances[wheel], 1e-12));
-    look.refused[wheel] = slip_.slipping(wheel, interval.end);
+    observation.speed[wheel] = interval.speed[wheel];
+    observation.expected[wheel] = interval.speed[wheel] - residual;
+    observation.sigma[wheel] = std::abs(residual) / std::sqrt(std::max(distances[wheel], 1e-12));
+    observation.refused[wheel] = slip_.slipping(wheel, interval.end);
   }
-  watch_.add(look);
+  watch_.add(observation);
   count_fault_changes(faulty);
 }
 

@@ -7,7 +7,7 @@ namespace curbstone::ekf::filter {
 
 namespace {
 
-constexpr double kMostVariance = 1.0;  // rad^2: beyond it the direction is arbitrary
+constexpr double kMaxVariance = 1.0;  // rad^2: beyond it the direction is arbitrary
 
 Eigen::Vector3d up_of(const model::Belief& belief) {
   return belief.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
@@ -37,7 +37,7 @@ void LostHeading::correct(model::Belief& belief, const model::Observation& z, co
 void LostHeading::propagate(model::Belief& belief, double distance) {
   if (!lost_) return;
   const double before = position_sigma_;
-  position_sigma_ += 0.5 * std::min(heading_variance(belief), kMostVariance) * std::abs(distance);
+  position_sigma_ += 0.5 * std::min(heading_variance(belief), kMaxVariance) * std::abs(distance);
   belief.covariance.diagonal().segment<2>(model::kPosition).array() +=
       position_sigma_ * position_sigma_ - before * before;
 }

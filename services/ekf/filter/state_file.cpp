@@ -8,7 +8,7 @@
 #include <cstring>
 #include <fstream>
 
-#include "services/ekf/filter/doubt.hpp"
+#include "services/ekf/filter/covariance_inflation.hpp"
 
 namespace curbstone::ekf::filter {
 

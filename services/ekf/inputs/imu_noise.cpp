@@ -22,9 +22,9 @@ void ImuNoise::add(const base::ImuSample& sample) {
   const double step_before = base::seconds_between(before_.utime, last_.utime);
   if (known_ == 2 && step > 0.0 && std::abs(step - step_before) < kUneven * step_before) {
     step_ = 0.5 * (step + step_before);
-    if (learnt_ < kLeast) ++learnt_;
+    if (learnt_ < kMinSamples) ++learnt_;
     const double share = std::max(1.0 / learnt_, std::min(step_ / kMemory, 1.0));
-    const bool bounded = learnt_ == kLeast;
+    const bool bounded = learnt_ == kMinSamples;
     learn(gyro_, before_.angular_rate - 2.0 * last_.angular_rate + sample.angular_rate, share, bounded);
     learn(accelerometer_, before_.acceleration - 2.0 * last_.acceleration + sample.acceleration, share, bounded);
   }
@@ -35,12 +35,12 @@ void ImuNoise::add(const base::ImuSample& sample) {
 
 void ImuNoise::learn(Axes& axes, const Eigen::Vector3d& second_difference, double share, bool bounded) {
   Eigen::Array3d square = second_difference.array().square() / 6.0;
-  if (bounded) square = square.min(kMost * kMost * axes.square.max(kFloor * kFloor));
+  if (bounded) square = square.min(kMaxSigmas * kMaxSigmas * axes.square.max(kFloor * kFloor));
   axes.square += share * (square - axes.square);
 }
 
 double ImuNoise::density_of(const Axes& axes) const {
-  return learnt_ < kLeast ? 0.0 : std::sqrt(axes.square.mean() * step_);
+  return learnt_ < kMinSamples ? 0.0 : std::sqrt(axes.square.mean() * step_);
 }
 
 base::NoiseConfig ImuNoise::applied_to(const base::NoiseConfig& configured) const {

@@ -12,17 +12,17 @@ namespace curbstone::ekf::inputs {
 ///
 /// White noise of 1 sigma s gives a second difference x[k-1] - 2 x[k] + x[k+1] of 1 sigma sqrt(6) s, in which the
 /// vehicle's motion hardly shows: motion at 5 Hz, sampled at 100 Hz, contributes a tenth of its amplitude. Squares are
-/// averaged over the axes and about kMemory, which is accurate to a fifth; a single leap counts as at most kMost times
-/// the noise. Pure; one thread; a value type.
+/// averaged over the axes and about kMemory, which is accurate to a fifth; a single leap counts as at most kMaxSigmas
+/// times the noise. Pure; one thread; a value type.
 class ImuNoise {
  public:
-  static constexpr double kMemory = 1.0;  ///< s
-  static constexpr double kMost = 3.0;    ///< sigma
+  static constexpr double kMemory = 1.0;     ///< s
+  static constexpr double kMaxSigmas = 3.0;  ///< sigma
 
   /// Adds the next sample. It is ignored if it does not follow the two before at their interval.
   void add(const base::ImuSample& sample);
 
-  /// Density, 1 sigma: rad/s/sqrt(Hz), m/s^2/sqrt(Hz). 0 until kLeast samples have been seen.
+  /// Density, 1 sigma: rad/s/sqrt(Hz), m/s^2/sqrt(Hz). 0 until kMinSamples samples have been seen.
   [[nodiscard]] double gyro() const { return density_of(gyro_); }
   [[nodiscard]] double accelerometer() const { return density_of(accelerometer_); }
 
@@ -37,7 +37,7 @@ class ImuNoise {
   [[nodiscard]] Excess beyond(const base::NoiseConfig& configured) const;
 
  private:
-  static constexpr int kLeast = 30;
+  static constexpr int kMinSamples = 30;
   /// Mean squares of gyro or accelerometer, by axis.
   struct Axes {
     Eigen::Array3d square = Eigen::Array3d::Zero();
@@ -47,7 +47,7 @@ class ImuNoise {
 
   base::ImuSample before_, last_;
   int known_ = 0;    // samples in a row, at most 2
-  int learnt_ = 0;   // differences, at most kLeast
+  int learnt_ = 0;   // differences, at most kMinSamples
   double step_ = 0;  // s between samples
   Axes gyro_, accelerometer_;
 };

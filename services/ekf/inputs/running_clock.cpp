@@ -17,12 +17,12 @@ std::optional<std::int64_t> RunningClock::add(Sensor sensor, std::int64_t utime,
   const std::int64_t behind = std::int64_t{own.sequence} - sequence;
   if (!own.last || behind < 0 || behind > kRestart) own.sequence = sequence;
   const std::int64_t step = own.last ? utime - *own.last : 0;
-  const bool is_set =
-      consecutive && own.period > 0 && std::abs(step) <= max_jump_ && (step < -kLeast || step > kLeast + own.period);
+  const bool is_set = consecutive && own.period > 0 && std::abs(step) <= max_jump_ &&
+                      (step < -kMinLeap || step > kMinLeap + own.period);
   if (is_set && step > 0) own.leap = step - own.period, own.leapt_to = utime;
   const bool continues = own.first && consecutive && utime > *own.newest &&
-                         utime - *own.newest <= kLeast + own.period && std::abs(step) <= max_jump_ &&
-                         (step < 0 || step > kLeast);
+                         utime - *own.newest <= kMinLeap + own.period && std::abs(step) <= max_jump_ &&
+                         (step < 0 || step > kMinLeap);
   // The wheels' sequence numbers are those of messages. A step forward is accepted only with the IMU's.
   if (continues || (is_set && (is_imu || step < 0))) return check_step(own, other, utime, continues);
   own.first.reset();
@@ -32,7 +32,7 @@ std::optional<std::int64_t> RunningClock::add(Sensor sensor, std::int64_t utime,
 }
 
 bool RunningClock::have_both_leapt(const Channel& own, const Channel& other, std::int64_t leap) {
-  return std::abs(other.leap - leap) < kSame && std::abs(other.leapt_to - *own.first) < kLeast + own.period;
+  return std::abs(other.leap - leap) < kSame && std::abs(other.leapt_to - *own.first) < kMinLeap + own.period;
 }
 
 std::optional<std::int64_t> RunningClock::check_step(Channel& own, Channel& other, std::int64_t utime, bool continues) {
@@ -52,7 +52,7 @@ std::optional<std::int64_t> RunningClock::check_step(Channel& own, Channel& othe
   }
   const std::int64_t offset = own.offset + leap;
   own.offset = std::abs(other.offset - offset) < kSame ? other.offset : offset;
-  if (other.last && *other.last - *own.last > kLeast && own.offset > other.offset) other.offset = own.offset;
+  if (other.last && *other.last - *own.last > kMinLeap && own.offset > other.offset) other.offset = own.offset;
   offset_ = own.offset;
   counters_.add(std::string("clock_set.") + own.name);
   own.last = utime;

@@ -11,7 +11,7 @@ namespace curbstone::ekf::inputs {
 /// Takes steps of the host's clock out of the stamps. A filter that saw a step would predict over it, or mix samples
 /// from before the step with samples from after it. The output stamps run on as the sensors do.
 ///
-/// A sample whose sequence number continues the last one's and whose stamp goes back by more than kLeast comes from a
+/// A sample whose sequence number continues the last one's and whose stamp goes back by more than kMinLeap comes from a
 /// clock that was set. The step is accepted after kConfirmations samples in a row that agree; until then the samples
 /// are dropped. A step forward may also come from a sensor that was silent and whose driver continues its sequence
 /// numbers. So there both sensors must leap, by the same amount and at the same time; IMU samples after a leap wait
@@ -21,7 +21,7 @@ namespace curbstone::ekf::inputs {
 class RunningClock {
  public:
   enum class Sensor { kImu, kWheels };
-  static constexpr std::int64_t kLeast = 100'000;
+  static constexpr std::int64_t kMinLeap = 100'000;
   static constexpr int kConfirmations = 3;
   static constexpr std::int64_t kPatience = 100'000;
 

@@ -14,8 +14,8 @@ constexpr int kFew = 8;  // samples: fewer are not significant
 const double kSigmaByMean = std::sqrt(M_PI / 2) / std::sqrt(20.0 / 9.0);
 constexpr double kEven = 0.5;       // minimum travel of a step, as a share of the longest
 constexpr double kParabola = 0.25;  // share of a step, by its relative change squared: effect of an uneven acceleration
-constexpr double kLeast = 3e-4;     // s: less cannot be distinguished from the motion of the wheels
-constexpr double kUnsure = 2e-3;    // s: noise of the wheels alone above which a sample is not used
+constexpr double kMinJitter = 3e-4;  // s: less cannot be distinguished from the motion of the wheels
+constexpr double kUnsure = 2e-3;     // s: noise of the wheels alone above which a sample is not used
 
 }  // namespace
 
@@ -64,7 +64,7 @@ double StampJitter::sigma() const {
   if (learnt_ < kFew) return 0.0;
   const double square = mean_off_ * mean_off_ * kSigmaByMean * kSigmaByMean - mean_noise_ * mean_noise_;
   const double learnt = std::sqrt(std::max(square, 0.0));
-  return learnt > std::max(kLeast, config_.stamp_noise) ? learnt : 0.0;
+  return learnt > std::max(kMinJitter, config_.stamp_noise) ? learnt : 0.0;
 }
 
 }  // namespace curbstone::ekf::inputs

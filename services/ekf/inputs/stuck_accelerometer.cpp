@@ -7,7 +7,7 @@ namespace curbstone::ekf::inputs {
 
 namespace {
 
-constexpr double kMostWay = 1.0;  // m between two samples: beyond it the counter restarted
+constexpr double kMaxDistance = 1.0;  // m between two samples: beyond it the counter restarted
 
 }  // namespace
 
@@ -15,7 +15,7 @@ void StuckAccelerometer::add(const base::WheelSample& sample) {
   if (has_wheels_) {
     // A single wheel that turns may spin, or its counts may be made up.
     const double least = std::min(std::abs(sample.angle[0] - angle_[0]), std::abs(sample.angle[1] - angle_[1]));
-    if (wheel_radius_ * least < kMostWay) way_ += wheel_radius_ * least;
+    if (wheel_radius_ * least < kMaxDistance) way_ += wheel_radius_ * least;
   }
   angle_ = sample.angle;
   has_wheels_ = true;

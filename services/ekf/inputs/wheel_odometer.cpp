@@ -6,11 +6,11 @@
 namespace curbstone::ekf::inputs {
 
 namespace {
-constexpr double kStampSlack = 0.02;        // s: a late stamp makes the next difference look short, and the wheel fast
-constexpr double kJitters = 40.0;           // minimum interval in sigmas of its stamps: 3.5 % of the speed
-constexpr double kMostAcceleration = 15.0;  // m/s^2, of a wheel on the ground
-constexpr double kFits = 4.0;               // sigmas by which two consecutive speeds may differ in addition
-constexpr double kLongestInterval = 0.2;    // s, upper bound of that: slip lasts little longer
+constexpr double kStampSlack = 0.02;       // s: a late stamp makes the next difference look short, and the wheel fast
+constexpr double kJitters = 40.0;          // minimum interval in sigmas of its stamps: 3.5 % of the speed
+constexpr double kMaxAcceleration = 15.0;  // m/s^2, of a wheel on the ground
+constexpr double kFits = 4.0;              // sigmas by which two consecutive speeds may differ in addition
+constexpr double kLongestInterval = 0.2;   // s, upper bound of that: slip lasts little longer
 }  // namespace
 
 double wheel_sigma(const base::WheelsConfig& config, const WheelInterval& interval, double wheel_radius,
@@ -51,7 +51,7 @@ WheelOdometer::Step WheelOdometer::add(const base::WheelSample& sample) {
   if (samples_ < kChecked && ++samples_ == kChecked && !fits_first(sample)) begin_ = last_;
   newest_ = between(last_, sample);
   last_ = sample;
-  if (base::seconds_between(begin_->utime, sample.utime) < least_duration()) return Step::kOpen;
+  if (base::seconds_between(begin_->utime, sample.utime) < min_duration()) return Step::kOpen;
   interval_ = between(*begin_, sample);
   begin_ = sample;
   return Step::kInterval;
@@ -63,12 +63,12 @@ bool WheelOdometer::fits_first(const base::WheelSample& third) const {
   const WheelInterval after = between(last_, third);
   for (std::size_t i = 0; i < 2; ++i) {
     const double sigma = std::hypot(wheel_sigma(config_, before, radius_, i), wheel_sigma(config_, after, radius_, i));
-    if (std::abs(after.speed[i] - before.speed[i]) > kMostAcceleration * after.duration() + kFits * sigma) return false;
+    if (std::abs(after.speed[i] - before.speed[i]) > kMaxAcceleration * after.duration() + kFits * sigma) return false;
   }
   return true;
 }
 
-double WheelOdometer::least_duration() const {
+double WheelOdometer::min_duration() const {
   return std::max(config_.interval, std::min(kJitters * jitter_.sigma(), kLongestInterval));
 }
 

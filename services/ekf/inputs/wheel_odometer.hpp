@@ -49,7 +49,7 @@ class WheelOdometer {
  private:
   [[nodiscard]] bool fits_first(const base::WheelSample& third) const;
   [[nodiscard]] WheelInterval between(const base::WheelSample& a, const base::WheelSample& b) const;
-  [[nodiscard]] double least_duration() const;
+  [[nodiscard]] double min_duration() const;
 
   base::WheelsConfig config_;
   double radius_;   // m

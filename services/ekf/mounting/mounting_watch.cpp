@@ -10,19 +10,19 @@ namespace {
 
 constexpr double kInterval = 0.2;      // s: counter steps are small against the motion in it
 constexpr double kLongest = 0.5;       // s, of an interval: if it is longer, samples are missing
-constexpr int kLeastSamples = 3;       // IMU samples in an interval
+constexpr int kMinSamples = 3;         // IMU samples in an interval
 constexpr double kFirstGravity = 2.0;  // s after which the direction of gravity is judged
 constexpr double kFirstForce = 0.5;    // s after which its magnitude is judged: before the filter starts
-constexpr double kLeastForce = 7.0;    // m/s^2: no road reduces it further for seconds
-constexpr double kMostForce = 14.0;    // m/s^2: nor increases it further, with a scale that is a little wrong
+constexpr double kMinForce = 7.0;      // m/s^2: no road reduces it further for seconds
+constexpr double kMaxForce = 14.0;     // m/s^2: nor increases it further, with a scale that is a little wrong
 
-constexpr double kLeastTurn = 0.05;  // rad^2/s, turn beyond what the speed explains: 9 deg/s for 2 s
+constexpr double kMinTurn = 0.05;    // rad^2/s, turn beyond what the speed explains: 9 deg/s for 2 s
 constexpr int kStretches = 2;        // of that much turning
 constexpr double kTurnsAlike = 0.7;  // minimum of TurnFit::explained()
 
 constexpr double kSlow = 3.0;            // s: slower changes are tilt and bias
-constexpr double kLeastMotion = 2.0;     // m^2/s^3: 1 m/s^2 for 2 s
-constexpr double kMostMotion = 20.0;     // m^2/s^3, beyond which the sums are halved
+constexpr double kMinMotion = 2.0;       // m^2/s^3: 1 m/s^2 for 2 s
+constexpr double kMaxMotion = 20.0;      // m^2/s^3, beyond which the sums are halved
 constexpr double kExplained = 0.5;       // minimum share of the force's square
 constexpr double kMirrorMargin = 0.2;    // share by which the mirror image must explain it better
 constexpr double kMirroredFor = 10.0;    // s in a row: wheels that slip for that long look like anything
@@ -33,7 +33,7 @@ constexpr double kTurningLong = 2.0;     // s at that rate: a wheel's jolt is on
 constexpr double kLongTurn = 0.1;        // rad^2/s
 constexpr double kLying = 0.8;           // minimum share of the wheels' turn that the rate about a level axis explains
 constexpr double kUpright = 0.2;         // maximum share of it in the rate about z
-constexpr double kLeastGain = 0.5, kMostGain = 2.0;
+constexpr double kMinGain = 0.5, kMaxGain = 2.0;
 
 }  // namespace
 
@@ -65,7 +65,7 @@ void MountingWatch::add(const base::WheelSample& sample) {
   const double seconds = begin_ ? base::seconds_between(begin_->utime, sample.utime) : -kLongest;
   if (seconds < 0.0 && seconds > -kLongest) return;
   if (seconds >= 0.0 && seconds < kInterval) return;
-  if (seconds < 0.0 || seconds > kLongest || imu_samples_ < kLeastSamples) {
+  if (seconds < 0.0 || seconds > kLongest || imu_samples_ < kMinSamples) {
     before_.reset();
     return restart_interval(sample);
   }
@@ -88,10 +88,10 @@ void MountingWatch::check(const Interval& interval) {
 void MountingWatch::check_turn(const Interval& interval) {
   turn_scale_.add(interval.seconds, interval.speed, interval.wheel_rate, interval.gyro_rate);
   turn_.add(interval.seconds, interval.speed, interval.wheel_rate, interval.gyro_rate);
-  if (turn_.turn() < kLeastTurn) return;
+  if (turn_.turn() < kMinTurn) return;
   const TurnFit turn = std::exchange(turn_, {});
   const double gain = turn.gain();
-  if (turn.explained() < kTurnsAlike || std::abs(gain) < kLeastGain || std::abs(gain) > kMostGain) return;
+  if (turn.explained() < kTurnsAlike || std::abs(gain) < kMinGain || std::abs(gain) > kMaxGain) return;
   opposite_stretches_ = gain < 0 ? opposite_stretches_ + 1 : 0;
   opposite_ = opposite_stretches_ >= kStretches || (opposite_ && gain < 0);
 }
@@ -109,7 +109,7 @@ void MountingWatch::check_gyro_up(const Interval& interval) {
     TurnFit& fit = level_[static_cast<std::size_t>(i)];
     fit.fade(kept);
     fit.add(interval.seconds, 0.0, interval.wheel_rate, interval.level_rate[i]);
-    const bool as_far = fit.turn() > turn / (kMostGain * kMostGain) && fit.turn() < turn / (kLeastGain * kLeastGain);
+    const bool as_far = fit.turn() > turn / (kMaxGain * kMaxGain) && fit.turn() < turn / (kMinGain * kMinGain);
     if (enough && as_far && fit.explained() > kLying)
       gyro_up_ = Eigen::Vector2d::Unit(i) * (fit.gain() < 0 ? -1.0 : 1.0);
   }
@@ -131,17 +131,17 @@ void MountingWatch::check_forward(const Interval& before, const Interval& interv
   motion_square_ += seconds * std::norm(quick_motion);
   product_ += seconds * quick_force * std::conj(quick_motion);
   mirror_product_ += seconds * quick_force * quick_motion;
-  if (motion_square_ > kMostMotion) {
+  if (motion_square_ > kMaxMotion) {
     force_square_ *= 0.5;
     motion_square_ *= 0.5;
     product_ *= 0.5;
     mirror_product_ *= 0.5;
   }
-  if (motion_square_ < kLeastMotion) return;
+  if (motion_square_ < kMinMotion) return;
   check_handedness(seconds, seconds * std::norm(quick_motion));
   const double gain = std::abs(product_) / motion_square_;
   const bool explained = std::norm(product_) > kExplained * force_square_ * motion_square_;
-  if (!explained || gain < kLeastGain || gain > kMostGain) return;
+  if (!explained || gain < kMinGain || gain > kMaxGain) return;
   yaw_is_wrong_ = std::abs(std::arg(product_)) > (yaw_is_wrong_ ? 0.5 : 1.0) * kMaxYaw;
 }
 
@@ -152,7 +152,7 @@ void MountingWatch::check_handedness(double seconds, double motion) {
   const double mirrored = std::norm(mirror_product_) / all;
   const double gain = std::abs(mirror_product_) / motion_square_;
   const bool is_mirrored =
-      mirrored > std::max(kExplained, direct + kMirrorMargin) && gain > kLeastGain && gain < kMostGain;
+      mirrored > std::max(kExplained, direct + kMirrorMargin) && gain > kMinGain && gain < kMaxGain;
   if (!is_mirrored) {
     mirrored_seconds_ = mirrored_motion_ = 0.0;
     mirrored_ = mirrored_ && direct < std::max(kExplained, mirrored + kMirrorMargin);
@@ -170,7 +170,7 @@ std::optional<Eigen::Vector3d> MountingWatch::wrong_up() const {
 
 std::optional<double> MountingWatch::wrong_gravity() const {
   const double force = gravity_.norm();
-  if (gravity_seconds_ < kFirstForce || (force > kLeastForce && force < kMostForce)) return {};
+  if (gravity_seconds_ < kFirstForce || (force > kMinForce && force < kMaxForce)) return {};
   return force;
 }
 

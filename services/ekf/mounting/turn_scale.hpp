@@ -48,7 +48,7 @@ class TurnFit {
 /// more than the wheels, kGyroTooFast. A value type; one thread.
 class TurnScale {
  public:
-  static constexpr double kMostWrong = 0.12;  ///< margin for slip and for a track width measured by hand
+  static constexpr double kMaxScaleError = 0.12;  ///< margin for slip and for a track width measured by hand
   static constexpr double kGyroNotTurning = 100.0;
   static constexpr double kGyroTooFast = 0.0;
 
@@ -56,8 +56,8 @@ class TurnScale {
   void add(double seconds, double speed, double wheel_rate, double gyro_rate) {
     check_gyro_too_fast(seconds, speed, wheel_rate, gyro_rate);
     fit_.add(seconds, speed, wheel_rate, gyro_rate);
-    const bool turns = std::max(fit_.turn(), fit_.wheel_turn()) >= kLeastTurn;
-    if (turns && fit_.seconds() >= kLeastSeconds) judge_stretch();
+    const bool turns = std::max(fit_.turn(), fit_.wheel_turn()) >= kMinTurn;
+    if (turns && fit_.seconds() >= kMinSeconds) judge_stretch();
   }
   /// The multiple, if it is wrong.
   [[nodiscard]] std::optional<double> wrong_scale() const {
@@ -65,34 +65,34 @@ class TurnScale {
     std::array<double, kStretches> sorted = gains_;
     std::sort(sorted.begin(), sorted.end());
     const double least = sorted[1] - 1.0, most = sorted[kStretches - 2] - 1.0;  // of all but one
-    if (least < kMostWrong && most > -kMostWrong) return {};
+    if (least < kMaxScaleError && most > -kMaxScaleError) return {};
     return sorted[kStretches / 2];
   }
   /// Whether a wrong track width may explain the multiple.
   [[nodiscard]] static bool is_plausible(double multiple) {
-    return std::abs(multiple) > 1 / kMostScale && std::abs(multiple) < kMostScale;
+    return std::abs(multiple) > 1 / kMaxScale && std::abs(multiple) < kMaxScale;
   }
 
  private:
-  static constexpr double kLeastTurn = 0.05;    // rad^2/s: 9 deg/s for 2 s
-  static constexpr double kLeastSeconds = 2.0;  // s: slip is shorter than most of the stretches together
+  static constexpr double kMinTurn = 0.05;    // rad^2/s: 9 deg/s for 2 s
+  static constexpr double kMinSeconds = 2.0;  // s: slip is shorter than most of the stretches together
   static constexpr double kExplained = 0.9;
   static constexpr double kStill = 0.02;  // of the wheels' square
   static constexpr std::size_t kStretches = 5;
-  static constexpr double kMostScale = 5.0;
-  static constexpr double kTooFast = 0.4;     // rad/s, in addition to kMostScale times the wheels' rate
+  static constexpr double kMaxScale = 5.0;
+  static constexpr double kTooFast = 0.4;     // rad/s, in addition to kMaxScale times the wheels' rate
   static constexpr double kTooFastFor = 1.0;  // s, for that long
   static constexpr double kDriving = 0.3;     // m/s
   /// A gyro in another unit exceeds the wheels' yaw rate by far: kTooFastFor of it is enough.
   void check_gyro_too_fast(double seconds, double speed, double wheel_rate, double gyro_rate) {
-    const bool too_fast = std::abs(gyro_rate) > kTooFast + kMostScale * std::abs(wheel_rate);
+    const bool too_fast = std::abs(gyro_rate) > kTooFast + kMaxScale * std::abs(wheel_rate);
     too_fast_for_ = too_fast && std::abs(speed) > kDriving && !gyro_turns_ ? too_fast_for_ + seconds : 0.0;
     if (too_fast_for_ <= kTooFastFor) return;
     gains_.fill(kGyroTooFast);
     gain_count_ = kStretches;
   }
   void judge_stretch() {
-    const bool gyro_turned = fit_.turn() >= kLeastTurn;
+    const bool gyro_turned = fit_.turn() >= kMinTurn;
     const bool only_wheels_turned = fit_.turn() < kStill * fit_.wheel_turn();
     if (only_wheels_turned && !gyro_turns_) {
       add_gain(kGyroNotTurning);

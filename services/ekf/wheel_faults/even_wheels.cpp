@@ -7,7 +7,7 @@ namespace curbstone::ekf::wheel_faults {
 
 namespace {
 
-constexpr std::size_t kLeastOfPoints = 6;
+constexpr std::size_t kMinPoints = 6;
 constexpr double kOneLeap = 0.5;      // share of the change that, within two intervals, is a leap of the IMU
 constexpr double kNoiseSigmas = 5.0;  // sigma of the speed's noise: less is no change
 constexpr double kSteadyTime = 0.5;   // s at either end, over which its acceleration is compared
@@ -28,7 +28,7 @@ void EvenWheels::add(const inputs::WheelInterval& interval, double inertial_spee
   // If the points no longer lie on one line, the newer half may.
   while (points_.size() > 2 && !rolls_evenly())
     points_.erase(points_.begin(), points_.begin() + static_cast<std::ptrdiff_t>(points_.size() / 2));
-  even_ = points_.size() >= kLeastOfPoints && duration() >= kMinDuration;
+  even_ = points_.size() >= kMinPoints && duration() >= kMinDuration;
   made_up_ = false;
   change_ = 0.0;
   for (const double span : {kMaxDuration / 4, kMaxDuration / 2, kMaxDuration}) {

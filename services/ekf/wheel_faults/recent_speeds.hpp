@@ -5,16 +5,16 @@
 #include <cmath>
 #include <cstdint>
 
-#include "services/ekf/wheel_faults/wheel_look.hpp"
+#include "services/ekf/wheel_faults/wheel_observation.hpp"
 
 namespace curbstone::ekf::wheel_faults {
 
 /// The speeds of wheels and IMU over the last two intervals, and which of them has leapt. Pure; one thread.
 class RecentSpeeds {
  public:
-  void add(const WheelLook& look) {
+  void add(const WheelObservation& observation) {
     std::rotate(speeds_.begin(), speeds_.begin() + 1, speeds_.end());
-    speeds_.back() = {look.end, 0.5 * (look.speed[0] + look.speed[1]), look.inertial_speed};
+    speeds_.back() = {observation.end, 0.5 * (observation.speed[0] + observation.speed[1]), observation.inertial_speed};
     known_ = std::min(known_ + 1, static_cast<int>(speeds_.size()));
   }
   /// Call it where intervals are missing.

@@ -14,25 +14,26 @@ constexpr int kMaxExtensions = 2;    // number of patiences to wait without a de
 constexpr double kTransition = 0.5;  // s, after which the difference has settled
 constexpr double kStroke = 0.8;      // share of the first difference that, within two intervals, means at once
 constexpr double kAtOnce = 0.6;  // share of the later difference that is a leap; that of wrong wheels grows with speed
-constexpr double kMostAstray = 2.0;  // upper bound of the position error, as a multiple of the distance
+constexpr double kMaxErrorRatio = 2.0;  // upper bound of the position error, as a multiple of the distance
 
 }  // namespace
 
-void WheelDispute::add(const WheelLook& look, const std::array<bool, 2>& trusted) {
+void WheelDispute::add(const WheelObservation& observation, const std::array<bool, 2>& trusted) {
   trusted_ = trusted;
-  end_ = look.end;
-  const double since = base::seconds_between(begin_, look.end);
+  end_ = observation.end;
+  const double since = base::seconds_between(begin_, observation.end);
   double difference = 0.0;
   double expected = 0.0;
   int wheels = 0;
   for (std::size_t i = 0; i < 2; ++i) {
     if (!trusted[i]) continue;
     if (since > kTransition) {
-      segments_[i][segment_at(since)].add({look.difference(i), look.expected[i], settings_.track_width * look.yaw_rate,
-                                           since + kBefore, look.seconds()});
+      segments_[i][segment_at(since)].add({observation.difference(i), observation.expected[i],
+                                           settings_.track_width * observation.yaw_rate, since + kBefore,
+                                           observation.seconds()});
     }
-    difference += look.difference(i);
-    expected += look.expected[i];
+    difference += observation.difference(i);
+    expected += observation.expected[i];
     ++wheels;
   }
   if (!first_difference_) first_difference_ = difference / wheels;
@@ -98,7 +99,8 @@ WheelDispute::FilterError WheelDispute::filter_error(double distance) const {
   for (std::size_t i = 0; i < 2; ++i) {
     if (!trusted_[i]) continue;
     const WheelEvidence all = evidence(i);
-    const double share = std::min(std::abs(all.ratio() - 1.0) / std::max(std::abs(all.ratio()), kFrozen), kMostAstray);
+    const double share =
+        std::min(std::abs(all.ratio() - 1.0) / std::max(std::abs(all.ratio()), kFrozen), kMaxErrorRatio);
     out.speed = std::max({out.speed, pulled, all.filter_offset()});
     out.position = std::max(out.position, share * distance);
   }

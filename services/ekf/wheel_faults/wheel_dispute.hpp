@@ -7,7 +7,7 @@
 
 #include "services/ekf/wheel_faults/recent_speeds.hpp"
 #include "services/ekf/wheel_faults/wheel_evidence.hpp"
-#include "services/ekf/wheel_faults/wheel_look.hpp"
+#include "services/ekf/wheel_faults/wheel_observation.hpp"
 
 namespace curbstone::ekf::wheel_faults {
 
@@ -29,7 +29,7 @@ class WheelDispute {
       : settings_(settings), leap_(leap), begin_(begin), end_(begin) {}
 
   /// Adds the next interval in which all `trusted` wheels (at least one) are refused.
-  void add(const WheelLook& look, const std::array<bool, 2>& trusted);
+  void add(const WheelObservation& observation, const std::array<bool, 2>& trusted);
 
   /// Takes the speeds' change up to the newest interval's end: a leap may take several intervals.
   void update_leap(const RecentSpeeds::Leap& leap);

@@ -7,10 +7,10 @@ namespace curbstone::ekf::wheel_faults {
 
 namespace {
 
-constexpr double kFit = 0.05;         // m/s, noise that is allowed for any explanation
-constexpr double kUnexplained = 0.2;  // maximum share of the difference's square
-constexpr double kMostTrack = 1.0;    // track widths by which the configured one may be wrong: a skid steer's
-constexpr double kSame = 0.2;         // share of a multiple, and of its distance from 1, within which two are the same
+constexpr double kFit = 0.05;            // m/s, noise that is allowed for any explanation
+constexpr double kUnexplained = 0.2;     // maximum share of the difference's square
+constexpr double kMaxTrackWidths = 1.0;  // track widths by which the configured one may be wrong: a skid steer's
+constexpr double kSame = 0.2;  // share of a multiple, and of its distance from 1, within which two are the same
 constexpr double kMaxFilterOffset = 0.3;  // m/s, maximum by which wheels pull the filter along before they are refused
 constexpr double kTurns = 0.2;            // share of the speed: a wheel that shows less does not turn
 constexpr double kUnsure = 0.05;          // m/s, error of a part's mean speed
@@ -49,7 +49,8 @@ double WheelEvidence::scale_residual() const {
 }
 
 double WheelEvidence::turning_residual() const {
-  const double tracks = sum(kTurnTurn) > 0 ? std::clamp(sum(kDiffTurn) / sum(kTurnTurn), -kMostTrack, kMostTrack) : 0.0;
+  const double tracks =
+      sum(kTurnTurn) > 0 ? std::clamp(sum(kDiffTurn) / sum(kTurnTurn), -kMaxTrackWidths, kMaxTrackWidths) : 0.0;
   return sum(kDiffDiff) - 2.0 * tracks * sum(kDiffTurn) + tracks * tracks * sum(kTurnTurn) + noise();
 }
 

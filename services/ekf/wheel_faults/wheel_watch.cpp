@@ -7,31 +7,31 @@ namespace curbstone::ekf::wheel_faults {
 
 namespace {
 
-constexpr double kForgiven = 0.5;    // s of refusal that a second without refusal cancels
-constexpr double kOneWrong = 0.05;   // share of the speed by which one wheel is wrong: a flat tyre causes less
-constexpr double kLeastSpeed = 0.3;  // m/s: agreement at a lower speed proves little
-constexpr double kSharp = 0.1;       // share to which the speed must be known: otherwise agreement proves little
-constexpr double kNear = 3.3;        // sigma, as in the chi-square gates
-constexpr double kFar = 5.0;         // sigma that reset an agreement
-constexpr double kMoving = 0.1;      // m/s
+constexpr double kForgiven = 0.5;        // s of refusal that a second without refusal cancels
+constexpr double kOneWrong = 0.05;       // share of the speed by which one wheel is wrong: a flat tyre causes less
+constexpr double kMinProvenSpeed = 0.3;  // m/s: agreement at a lower speed proves little
+constexpr double kSharp = 0.1;           // share to which the speed must be known: otherwise agreement proves little
+constexpr double kNear = 3.3;            // sigma, as in the chi-square gates
+constexpr double kFar = 5.0;             // sigma that reset an agreement
+constexpr double kMoving = 0.1;          // m/s
 
 }  // namespace
 
-void WheelWatch::add(const WheelLook& look) {
-  recent_.add(look);
+void WheelWatch::add(const WheelObservation& observation) {
+  recent_.add(observation);
   const bool any_trusted = !all_faulty();
-  const bool all_refused = (faulty(0) || look.refused[0]) && (faulty(1) || look.refused[1]);
+  const bool all_refused = (faulty(0) || observation.refused[0]) && (faulty(1) || observation.refused[1]);
   for (std::size_t i = 0; i < 2; ++i) {
     if (faulty(i))
-      judge_faulty(wheels_[i], i, look);
+      judge_faulty(wheels_[i], i, observation);
     else if (!all_refused)
-      judge_trusted(wheels_[i], i, look);
+      judge_trusted(wheels_[i], i, observation);
   }
   if (any_trusted && all_refused)
-    dispute(look);
+    dispute(observation);
   else
     end_dispute();
-  if (!dispute_) distance_ += 0.5 * std::abs(look.expected[0] + look.expected[1]) * look.seconds();
+  if (!dispute_) distance_ += 0.5 * std::abs(observation.expected[0] + observation.expected[1]) * observation.seconds();
 }
 
 bool WheelWatch::finds_made_up(const inputs::WheelInterval& interval, double inertial_speed, double noise) {
@@ -44,38 +44,39 @@ bool WheelWatch::finds_made_up(const inputs::WheelInterval& interval, double ine
   return true;
 }
 
-void WheelWatch::judge_trusted(Wheel& wheel, std::size_t i, const WheelLook& look) const {
-  const double seconds = look.refused[i] ? look.seconds() : -kForgiven * look.seconds();
+void WheelWatch::judge_trusted(Wheel& wheel, std::size_t i, const WheelObservation& observation) const {
+  const double seconds = observation.refused[i] ? observation.seconds() : -kForgiven * observation.seconds();
   wheel.refused_time = std::min(wheel.refused_time + seconds, config_.patience);
   if (wheel.refused_time <= 0) {
     wheel = {};
     return;
   }
-  add_evidence(wheel, i, look);
+  add_evidence(wheel, i, observation);
   wheel.faulty = wheel.refused_time >= config_.patience && wheel.evidence.has_scale_error(kOneWrong);
 }
 
-void WheelWatch::judge_faulty(Wheel& wheel, std::size_t i, const WheelLook& look) const {
-  const double off = std::abs(look.difference(i));
-  const double expected = std::abs(look.expected[i]);
-  const bool proves = expected > kLeastSpeed && look.sigma[i] < kSharp * expected;
-  if (off > kFar * look.sigma[i] || (made_up_ && even_.even()))
+void WheelWatch::judge_faulty(Wheel& wheel, std::size_t i, const WheelObservation& observation) const {
+  const double off = std::abs(observation.difference(i));
+  const double expected = std::abs(observation.expected[i]);
+  const bool proves = expected > kMinProvenSpeed && observation.sigma[i] < kSharp * expected;
+  if (off > kFar * observation.sigma[i] || (made_up_ && even_.even()))
     wheel.agreed_time = 0;
-  else if (off <= kNear * look.sigma[i] && proves)
-    wheel.agreed_time += look.seconds();
-  add_evidence(wheel, i, look);
+  else if (off <= kNear * observation.sigma[i] && proves)
+    wheel.agreed_time += observation.seconds();
+  add_evidence(wheel, i, observation);
   if (wheel.agreed_time >= kAgreement) wheel = {};
 }
 
-void WheelWatch::add_evidence(Wheel& wheel, std::size_t i, const WheelLook& look) const {
-  wheel.evidence.fade(look.seconds());
-  wheel.evidence.add({look.difference(i), look.expected[i], track_width_ * look.yaw_rate,
-                      look.seconds() + WheelDispute::kBefore, look.seconds()});
+void WheelWatch::add_evidence(Wheel& wheel, std::size_t i, const WheelObservation& observation) const {
+  wheel.evidence.fade(observation.seconds());
+  wheel.evidence.add({observation.difference(i), observation.expected[i], track_width_ * observation.yaw_rate,
+                      observation.seconds() + WheelDispute::kBefore, observation.seconds()});
 }
 
-void WheelWatch::dispute(const WheelLook& look) {
-  if (!dispute_) dispute_.emplace(WheelDispute::Settings{config_.patience, track_width_}, look.begin, recent_.leap());
-  dispute_->add(look, {!faulty(0), !faulty(1)});
+void WheelWatch::dispute(const WheelObservation& observation) {
+  if (!dispute_)
+    dispute_.emplace(WheelDispute::Settings{config_.patience, track_width_}, observation.begin, recent_.leap());
+  dispute_->add(observation, {!faulty(0), !faulty(1)});
   dispute_->update_leap(recent_.leap());
 }
 

@@ -9,7 +9,7 @@
 #include "services/ekf/wheel_faults/recent_speeds.hpp"
 #include "services/ekf/wheel_faults/wheel_dispute.hpp"
 #include "services/ekf/wheel_faults/wheel_evidence.hpp"
-#include "services/ekf/wheel_faults/wheel_look.hpp"
+#include "services/ekf/wheel_faults/wheel_observation.hpp"
 
 namespace curbstone::ekf::wheel_faults {
 
@@ -32,7 +32,7 @@ class WheelWatch {
  public:
   WheelWatch(const base::SlipConfig& config, double track_width) : config_(config), track_width_(track_width) {}
 
-  void add(const WheelLook& look);
+  void add(const WheelObservation& observation);
   /// Takes every interval of the wheels, also where the filter's belief is too poor for add(). `inertial_speed` and
   /// `noise`: as in EvenWheels. Returns true in the interval in which both are found to be made up.
   [[nodiscard]] bool finds_made_up(const inputs::WheelInterval& interval, double inertial_speed, double noise);
@@ -73,10 +73,10 @@ class WheelWatch {
     double agreed_time = 0.0;   // s, since it was found faulty
     WheelEvidence evidence;     // since it was first refused
   };
-  void judge_trusted(Wheel& wheel, std::size_t i, const WheelLook& look) const;
-  void judge_faulty(Wheel& wheel, std::size_t i, const WheelLook& look) const;
-  void add_evidence(Wheel& wheel, std::size_t i, const WheelLook& look) const;
-  void dispute(const WheelLook& look);
+  void judge_trusted(Wheel& wheel, std::size_t i, const WheelObservation& observation) const;
+  void judge_faulty(Wheel& wheel, std::size_t i, const WheelObservation& observation) const;
+  void add_evidence(Wheel& wheel, std::size_t i, const WheelObservation& observation) const;
+  void dispute(const WheelObservation& observation);
   void end_dispute();
 
   base::SlipConfig config_;

@@ -12,9 +12,9 @@ using semantic_map::tile::Around;
 using semantic_map::tile::CellClass;
 using semantic_map::tile::MapTile;
 
-constexpr int kPatch = 2;      // cells in each direction that determine the direction of an upright piece: 0.6 m square
-constexpr int kMinHits = 2;    // of the dense map: the inside of a vehicle's outline was never seen
-constexpr int kMostHits = 20;  // more hits do not make the position of a tall wall more certain
+constexpr int kPatch = 2;     // cells in each direction that determine the direction of an upright piece: 0.6 m square
+constexpr int kMinHits = 2;   // of the dense map: the inside of a vehicle's outline was never seen
+constexpr int kMaxHits = 20;  // more hits do not make the position of a tall wall more certain
 constexpr float kLineShare = 0.15F;  // minor over major spread of a line, at most
 constexpr int kMargin = FieldTile::kReach + kPatch;
 
@@ -31,7 +31,7 @@ class CellAround {
     return tile_->z_origin + static_cast<float>(kPositionStep) * static_cast<float>(tile_->height[index_]);
   }
   [[nodiscard]] bool is_curb() const { return tile_ != nullptr && tile_->cell_class[index_] == CellClass::kCurb; }
-  [[nodiscard]] int hits() const { return tile_ == nullptr ? 0 : std::min(upright_hits(*tile_, index_), kMostHits); }
+  [[nodiscard]] int hits() const { return tile_ == nullptr ? 0 : std::min(upright_hits(*tile_, index_), kMaxHits); }
 
  private:
   static int step_of(int i) { return i < 0 ? -1 : (i >= kCellsPerTile ? 1 : 0); }

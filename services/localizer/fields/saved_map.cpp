@@ -92,7 +92,7 @@ void SavedMap::make_room(TileKey about) {
   std::erase_if(tiles_, is_far);
   std::erase_if(fields_, is_far);
   asked_ = {};
-  if (kept() < kMostKept) return;
+  if (kept() < kMaxKept) return;
   tiles_.clear();
   fields_.clear();
 }
@@ -111,7 +111,7 @@ const FieldTile* SavedMap::field_of(TileKey key) {
 /// Null if the map has no such tile.
 const FieldTile* SavedMap::make_field(TileKey key) {
   if (!plans_.contains(key)) return nullptr;
-  if (tiles_.size() + 9 > kMostKept || fields_.size() >= kMostKept) make_room(key);
+  if (tiles_.size() + 9 > kMaxKept || fields_.size() >= kMaxKept) make_room(key);
   if (tile(key) == nullptr) return nullptr;
   semantic_map::tile::Around<semantic_map::tile::MapTile> around;
   for (int dy = -1; dy <= 1; ++dy) {

@@ -9,8 +9,8 @@
 namespace curbstone::localizer::monte_carlo {
 namespace {
 
-constexpr double kLeastUpright = 0.4;  // m above the map's ground: a point on an upright structure,
-constexpr double kMostUpright = 1.9;   // m
+constexpr double kMinUpright = 0.4;    // m above the map's ground: a point on an upright structure,
+constexpr double kMaxUpright = 1.9;    // m
 constexpr double kFar = 0.6;           // m: maximum distance of the nearest structure in the map's fields
 constexpr double kBucket = 0.5;        // m
 constexpr double kBucketYaw = 0.175;   // rad
@@ -101,7 +101,7 @@ void ParticleFilter::weigh(const std::vector<Eigen::Vector3d>& points, fields::S
     const Eigen::Vector3d q = belief_.T_map_base * p;
     const auto ground = map.ground_at(q.x(), q.y());
     const double above = q.z() - (ground ? ground->height : map.level_at(q.x(), q.y()));
-    if (above > kLeastUpright && above < kMostUpright) upright.emplace_back((lean * p).head<2>());
+    if (above > kMinUpright && above < kMaxUpright) upright.emplace_back((lean * p).head<2>());
   }
   const auto beams = std::min(upright.size(), static_cast<std::size_t>(config_.beams));
   double sum = 0;

@@ -6,12 +6,12 @@
 namespace curbstone::localizer::search {
 namespace {
 
-constexpr double kNewest = 0.1;       // weight of the newest revolution in the averages
-constexpr int kBeforeDropped = 5;     // revolutions: a fit takes a few to settle
-constexpr double kRivals = 0.12;      // score: a hypothesis this far behind the best is dropped
-constexpr double kSamePlace = 0.5;    // m
-constexpr double kLeastDriven = 3.0;  // m: a pose must fit from several places
-constexpr double kHolds = 0.65;       // matched share
+constexpr double kNewest = 0.1;     // weight of the newest revolution in the averages
+constexpr int kBeforeDropped = 5;   // revolutions: a fit takes a few to settle
+constexpr double kRivals = 0.12;    // score: a hypothesis this far behind the best is dropped
+constexpr double kSamePlace = 0.5;  // m
+constexpr double kMinDriven = 3.0;  // m: a pose must fit from several places
+constexpr double kHolds = 0.65;     // matched share
 
 }  // namespace
 
@@ -22,8 +22,8 @@ void Hypotheses::begin(std::vector<tracking::PoseBelief> beliefs) {
   revolutions_ = 0;
 }
 
-void Hypotheses::drive_on(const std::vector<Eigen::Vector3d>& points, const tracking::Motion& motion,
-                          fields::SavedMap& map) {
+void Hypotheses::update(const std::vector<Eigen::Vector3d>& points, const tracking::Motion& motion,
+                        fields::SavedMap& map) {
   driven_ += motion.T_last_base.translation().norm();
   ++revolutions_;
   for (Hypothesis& one : alive_) {
@@ -66,12 +66,12 @@ void Hypotheses::drop() {
   alive_ = std::move(kept);
 }
 
-bool Hypotheses::one_holds() const {
-  return alive_.size() == 1 && driven_ >= kLeastDriven && alive_.front().matched_share >= kHolds;
+bool Hypotheses::converged() const {
+  return alive_.size() == 1 && driven_ >= kMinDriven && alive_.front().matched_share >= kHolds;
 }
 
-bool Hypotheses::several_hold() const {
-  return alive_.size() > 1 && driven_ >= kLeastDriven;
+bool Hypotheses::ambiguous() const {
+  return alive_.size() > 1 && driven_ >= kMinDriven;
 }
 
 }  // namespace curbstone::localizer::search

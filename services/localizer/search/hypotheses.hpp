@@ -22,16 +22,16 @@ class Hypotheses {
 
   void begin(std::vector<tracking::PoseBelief> beliefs);
   /// Moves all hypotheses by `motion` and fits each to the revolution. `points`: thinned, in base_link at its end.
-  void drive_on(const std::vector<Eigen::Vector3d>& points, const tracking::Motion& motion, fields::SavedMap& map);
+  void update(const std::vector<Eigen::Vector3d>& points, const tracking::Motion& motion, fields::SavedMap& map);
 
   /// The remaining hypotheses, best first.
   [[nodiscard]] const std::vector<Hypothesis>& alive() const { return alive_; }
   [[nodiscard]] double driven() const { return driven_; }  ///< m since begin()
   /// The only remaining hypothesis is the vehicle's pose: it fitted well over some metres, and every other one was
   /// dropped.
-  [[nodiscard]] bool one_holds() const;
+  [[nodiscard]] bool converged() const;
   /// Several hypotheses remain after those metres.
-  [[nodiscard]] bool several_hold() const;
+  [[nodiscard]] bool ambiguous() const;
 
  private:
   void weigh();

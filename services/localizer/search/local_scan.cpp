@@ -8,11 +8,11 @@
 namespace curbstone::localizer::search {
 namespace {
 
-constexpr double kLeastUpright = 0.4;  // m above the lowest point around it,
-constexpr double kMostUpright = 1.9;   // m: the upper limit of the map's classes
-constexpr double kSquare = 1.0;        // m, in which the lowest point is taken as ground
-constexpr double kThin = 0.5;          // m
-constexpr int kLeastPoints = 2;        // in a square of kThin
+constexpr double kMinUpright = 0.4;  // m above the lowest point around it,
+constexpr double kMaxUpright = 1.9;  // m: the upper limit of the map's classes
+constexpr double kSquare = 1.0;      // m, in which the lowest point is taken as ground
+constexpr double kThin = 0.5;        // m
+constexpr int kMinPoints = 2;        // in a square of kThin
 
 /// A square lattice around the origin.
 class SquareLattice {
@@ -56,7 +56,7 @@ std::vector<Eigen::Vector2d> at_most(std::vector<Eigen::Vector2d> plan, std::siz
 }  // namespace
 
 void LocalScan::add(const std::vector<Eigen::Vector3d>& points, const Pose& T_odom_base) {
-  if (revolutions_ >= kMostRevolutions) return;
+  if (revolutions_ >= kMaxRevolutions) return;
   if (revolutions_ > 0) driven_ += (T_odom_base.translation() - last_).norm();
   last_ = T_odom_base.translation();
   ++revolutions_;
@@ -82,13 +82,13 @@ std::vector<Eigen::Vector2d> LocalScan::plan(const Pose& T_odom_base, double rea
   std::vector<Eigen::Vector2d> sums(thin.size(), Eigen::Vector2d::Zero());
   for (const Eigen::Vector3d& q : near) {
     const double above = q.z() - lowest[squares.index(q)];
-    if (above < kLeastUpright || above > kMostUpright) continue;
+    if (above < kMinUpright || above > kMaxUpright) continue;
     ++counts[thin.index(q)];
     sums[thin.index(q)] += q.head<2>();
   }
   std::vector<Eigen::Vector2d> plan;
   for (std::size_t i = 0; i < counts.size(); ++i) {
-    if (counts[i] >= kLeastPoints) plan.emplace_back(sums[i] / counts[i]);
+    if (counts[i] >= kMinPoints) plan.emplace_back(sums[i] / counts[i]);
   }
   return at_most(std::move(plan), most);
 }

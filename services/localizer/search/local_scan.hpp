@@ -11,7 +11,7 @@ namespace curbstone::localizer::search {
 /// than in one revolution. One thread; bounded.
 class LocalScan {
  public:
-  static constexpr std::size_t kMostRevolutions = 60;
+  static constexpr std::size_t kMaxRevolutions = 60;
 
   /// Adds a revolution. `points`: thinned, in base_link. T_odom_base: the odom frame is level.
   void add(const std::vector<Eigen::Vector3d>& points, const Pose& T_odom_base);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kTurns = 320;  // 0.02 rad apart: half of that moves a point at 30 m by 0.3 m
 constexpr int kTop = SearchRegion::kLevels - 1;
-constexpr double kLeast = 0.5;                          // score: the plan fits better than this at its true place
+constexpr double kMinScore = 0.5;                       // score: the plan fits better than this at its true place
 constexpr double kBehind = 0.2;                         // score: a candidate this far behind the best is no rival
 constexpr double kMatchesApart = 1.5;                   // m, between distinct candidates
 constexpr double kMatchesTurned = 0.1;                  // rad
@@ -44,14 +44,14 @@ MapSearch::MapSearch(const std::vector<Eigen::Vector2d>& plan, const fields::Sav
   regions_.erase(std::unique(regions_.begin(), regions_.end()), regions_.end());
 }
 
-bool MapSearch::go_on(std::int64_t lookups) {
+bool MapSearch::advance(std::int64_t lookups) {
   const std::int64_t until = lookups_ + lookups;
   while (!done() && lookups_ < until) {
     if (!region_) {
       enter_next_region();
     } else if (next_row_ < SearchRegion::wide()) {
       push_row();
-    } else if (queue_.empty() || queue_.top().sum < least() || here_.size() >= kMostCandidates ||
+    } else if (queue_.empty() || queue_.top().sum < least() || here_.size() >= kMaxCandidates ||
                lookups_here_ > kLookupsInRegion) {
       leave_region();
     } else {
@@ -85,7 +85,7 @@ void MapSearch::push_row() {
 }
 
 int MapSearch::least() const {
-  return static_cast<int>(std::max(kLeast, best_ - kBehind) * full_);
+  return static_cast<int>(std::max(kMinScore, best_ - kBehind) * full_);
 }
 
 void MapSearch::push(int level, int turn, int x, int y) {
@@ -139,7 +139,7 @@ std::vector<Candidate> MapSearch::candidates() const {
   std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
   std::vector<Candidate> apart;
   for (const Candidate& one : all) {
-    if (apart.size() >= kMostCandidates || one.score < best_ - kBehind) break;
+    if (apart.size() >= kMaxCandidates || one.score < best_ - kBehind) break;
     const auto same = [&](const Candidate& other) { return same_place(one, other); };
     if (std::none_of(apart.begin(), apart.end(), same)) apart.push_back(one);
   }

@@ -21,15 +21,15 @@ struct Candidate {
 /// revolution. The result does not depend on the pieces' size. Deterministic; bounded; one thread.
 class MapSearch {
  public:
-  static constexpr std::size_t kMostPlaces = 140;  ///< of a plan
-  static constexpr std::size_t kMostCandidates = 12;
+  static constexpr std::size_t kMaxPlaces = 140;  ///< of a plan
+  static constexpr std::size_t kMaxCandidates = 12;
 
-  /// `plan`: m from the vehicle, x along it; within SearchRegion::kSight, at most kMostPlaces. The map must outlive
+  /// `plan`: m from the vehicle, x along it; within SearchRegion::kSight, at most kMaxPlaces. The map must outlive
   /// this object.
   MapSearch(const std::vector<Eigen::Vector2d>& plan, const fields::SavedMap& map);
 
   /// Continues the search for about `lookups` look-ups of plan positions. Returns false when the search is done.
-  bool go_on(std::int64_t lookups);
+  bool advance(std::int64_t lookups);
   [[nodiscard]] bool done() const { return next_region_ >= regions_.size() && !region_; }
   /// The candidates, best first. No two are neighbours, and none scores far less than the best.
   [[nodiscard]] std::vector<Candidate> candidates() const;

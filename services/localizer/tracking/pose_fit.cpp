@@ -8,14 +8,14 @@
 namespace curbstone::localizer::tracking {
 namespace {
 
-constexpr int kMostIterations = 5;
+constexpr int kMaxIterations = 5;
 constexpr double kDone = 1e-3;        // m or rad of a step: the next step is far smaller
 constexpr double kNearlyDone = 3e-3;  // m or rad
 constexpr std::size_t kCoarsely = 3;  // one of this many points is used, before all are
 constexpr std::size_t kEnoughPoints = 600;
 constexpr double kGroundBand = 0.22;          // m from the map's ground: a ground point
-constexpr double kLeastUpright = 0.4;         // m above it: a point on an upright structure,
-constexpr double kMostUpright = 1.9;          // m: the upper limit of the map's classes
+constexpr double kMinUpright = 0.4;           // m above it: a point on an upright structure,
+constexpr double kMaxUpright = 1.9;           // m: the upper limit of the map's classes
 constexpr double kLevel = 0.1;                // slope between cells
 constexpr double kGroundMatched = 0.06;       // m
 constexpr double kWallMatched = 0.10;         // m
@@ -56,7 +56,7 @@ class PointSums {
     const auto ground = map_.ground_at(q.x(), q.y());
     const double above = q.z() - (ground ? ground->height : map_.level_at(q.x(), q.y()));
     if (ground && std::abs(above) < kGroundBand) return add_ground(p, *ground, above);
-    if (above > kLeastUpright && above < kMostUpright) add_upright(p, q);
+    if (above > kMinUpright && above < kMaxUpright) add_upright(p, q);
   }
 
   NormalSums sums;
@@ -159,10 +159,10 @@ PoseFit fit_pose(const std::vector<Eigen::Vector3d>& points, const PoseBelief& p
     pose = normalised(moved_by(pose, step));
     const double moved = step.cwiseAbs().maxCoeff();
     if (every > 1) {  // first iterations with some of the points, the last ones with all
-      if (moved < kNearlyDone || iteration + 1 >= kMostIterations) every = 1;
+      if (moved < kNearlyDone || iteration + 1 >= kMaxIterations) every = 1;
       continue;
     }
-    if (moved > kDone && iteration < kMostIterations) continue;
+    if (moved > kDone && iteration < kMaxIterations) continue;
     PoseFit fit = seen.counts;
     fit.belief = {pose, inverse(information)};
     fit.information = seen.sums.information;

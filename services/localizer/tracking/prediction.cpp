@@ -8,8 +8,8 @@ namespace {
 
 constexpr double kBlindSpeed = 1.0;  // m/s, 1 sigma, by which a vehicle may differ from its steady motion
 constexpr double kBlindTurn = 0.3;   // rad/s
-constexpr double kMostSigma = 2.0;   // m: of a lost vehicle; with a larger one a fit would match another wall
-constexpr double kMostYaw = 0.2;     // rad
+constexpr double kMaxSigma = 2.0;    // m: of a lost vehicle; with a larger one a fit would match another wall
+constexpr double kMaxYaw = 0.2;      // rad
 
 }  // namespace
 
@@ -31,8 +31,8 @@ PoseBelief predicted(const PoseBelief& belief, const Motion& motion, const Track
   next.covariance.diagonal().head<3>().array() += position * position;
   next.covariance.diagonal().tail<3>().array() += rotation * rotation;
   // Bounds the range that a lost vehicle searches. Beyond it a Gaussian is not a valid approximation either.
-  const double widest = std::sqrt(next.covariance.diagonal().head<3>().maxCoeff()) / kMostSigma;
-  const double most_turned = std::sqrt(next.covariance.diagonal().tail<3>().maxCoeff()) / kMostYaw;
+  const double widest = std::sqrt(next.covariance.diagonal().head<3>().maxCoeff()) / kMaxSigma;
+  const double most_turned = std::sqrt(next.covariance.diagonal().tail<3>().maxCoeff()) / kMaxYaw;
   const double excess = std::max(widest, most_turned);
   if (excess > 1) next.covariance /= excess * excess;
   return next;

@@ -8,8 +8,8 @@
 namespace curbstone::localizer::tracking {
 namespace {
 
-constexpr double kBlindFor = 0.5;  // s without odometry: after that the pose must be confirmed again
-constexpr int kFirstLooks = 3;     // revolutions at a new place that count as independent
+constexpr double kBlindFor = 0.5;     // s without odometry: after that the pose must be confirmed again
+constexpr int kFirstCorrections = 3;  // revolutions at a new place that count as independent
 constexpr double kNewStanding = 0.05;
 constexpr double kNewYaw = 0.02;    // rad of turning, after which points lie in other cells
 constexpr int kPlacesWhenLost = 5;  // tried in a revolution,
@@ -25,17 +25,17 @@ void Tracker::judge(const PoseFit& fit) {
   failing_ = fits ? 0 : failing_ + 1;
   const Eigen::Matrix2d plane = belief_.covariance.topLeftCorner<2, 2>();
   const double sigma = std::sqrt(eigen_pairs<2>(plane).values(1));
-  if (failing_ >= kInARow || !(sigma < config_.max_sigma)) {
+  if (failing_ >= kConfirmations || !(sigma < config_.max_sigma)) {
     lost_ = true;
     if (!(sigma < config_.max_sigma)) fitting_ = 0;
-  } else if (lost_ && surroundings_.all_seen() && fitting_ >= (was_found_ ? kInARowAgain : kInARow)) {
+  } else if (lost_ && alternatives_.all_tried() && fitting_ >= (was_found_ ? kReconfirmations : kConfirmations)) {
     lost_ = false;
     was_found_ = true;
   }
 }
 
-double Tracker::news_of(const Motion& motion) const {
-  if (looks_ < kFirstLooks) return 1;
+double Tracker::independent_share(const Motion& motion) const {
+  if (corrections_ < kFirstCorrections) return 1;
   const double cells = motion.T_last_base.translation().norm() / kCellSize;
   return std::min(1.0, kNewStanding + cells + angle_of(motion.T_last_base) / kNewYaw);
 }
@@ -47,7 +47,7 @@ PoseFit Tracker::track(const std::vector<Eigen::Vector3d>& points, const Motion&
     lost_ = true;
     fitting_ = 0;
   }
-  PoseFit fit = fit_pose(points, prior, map, config_, news_of(motion));
+  PoseFit fit = fit_pose(points, prior, map, config_, independent_share(motion));
   const bool usable = is_finite(fit.belief.T_map_base) && fit.belief.covariance.allFinite();
   // A revolution that does not fit gives no information: the pose continues with odometry, and its covariance grows.
   const bool is_used = usable && (lost_ ? fit.matched_share() : fit.held_share()) >= config_.min_match;
@@ -55,24 +55,24 @@ PoseFit Tracker::track(const std::vector<Eigen::Vector3d>& points, const Motion&
     belief_ = fit.belief;
     information_ = fit.information;
   }
-  looks_ = is_used ? looks_ + 1 : 0;
+  corrections_ = is_used ? corrections_ + 1 : 0;
   fit.belief = belief_;
   judge(fit);
-  look_around(points, fit, map);
+  check_alternatives(points, fit, map);
   return fit;
 }
 
-void Tracker::look_around(const std::vector<Eigen::Vector3d>& points, PoseFit& fit, fields::SavedMap& map) {
+void Tracker::check_alternatives(const std::vector<Eigen::Vector3d>& points, PoseFit& fit, fields::SavedMap& map) {
   revolution_ = (revolution_ + 1) % kRevolutions;
   const int places = lost_ ? kPlacesWhenLost : revolution_ == 0 ? 1 : 0;
-  const auto better = surroundings_.better_than(fit, points, places, map, config_);
+  const auto better = alternatives_.better_than(fit, points, places, map, config_);
   if (!better) return;
   fit = *better;
   belief_ = fit.belief;
   lost_ = true;
   fitting_ = 0;
-  surroundings_.restart();
-  looks_ = 0;
+  alternatives_.restart();
+  corrections_ = 0;
 }
 
 /// Includes the distortion of the map. The structures that constrain the pose here also constrained the vehicle that

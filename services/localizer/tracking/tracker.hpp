@@ -2,19 +2,19 @@
 
 #include <vector>
 
+#include "services/localizer/tracking/nearby_alternatives.hpp"
 #include "services/localizer/tracking/pose_tracker.hpp"
-#include "services/localizer/tracking/surroundings.hpp"
 
 namespace curbstone::localizer::tracking {
 
-/// Tracks one pose through the saved map. The vehicle is lost until the map has fitted for kInARow revolutions in a
-/// row, and again when it has not fitted for as many. A lost pose continues with odometry and is reported as lost. The
-/// vehicle is also lost when a nearby place fits clearly better; the tracker then continues from that place. A vehicle
-/// that was found before is found again after kInARowAgain revolutions that fit. Pure; one thread.
+/// Tracks one pose through the saved map. The vehicle is lost until the map has fitted for kConfirmations revolutions
+/// in a row, and again when it has not fitted for as many. A lost pose continues with odometry and is reported as lost.
+/// The vehicle is also lost when a nearby place fits clearly better; the tracker then continues from that place. A
+/// vehicle that was found before is found again after kReconfirmations revolutions that fit. Pure; one thread.
 class Tracker final : public PoseTracker {
  public:
-  static constexpr int kInARow = 10;       ///< consecutive revolutions that fit, or do not
-  static constexpr int kInARowAgain = 40;  ///< consecutive revolutions that fit, after it was lost on the way
+  static constexpr int kConfirmations = 10;    ///< consecutive revolutions that fit, or do not
+  static constexpr int kReconfirmations = 40;  ///< consecutive revolutions that fit, after it was lost on the way
 
   Tracker(const PoseBelief& start, const TrackingConfig& config) : config_(config), belief_(start) {}
 
@@ -27,16 +27,16 @@ class Tracker final : public PoseTracker {
  private:
   /// The share of the revolution, 0..1, that is independent of earlier ones. From nearly the same place the map's
   /// errors look the same, so the covariance of a standing vehicle must not shrink further.
-  [[nodiscard]] double news_of(const Motion& motion) const;
+  [[nodiscard]] double independent_share(const Motion& motion) const;
   void judge(const PoseFit& fit);
-  void look_around(const std::vector<Eigen::Vector3d>& points, PoseFit& fit, fields::SavedMap& map);
+  void check_alternatives(const std::vector<Eigen::Vector3d>& points, PoseFit& fit, fields::SavedMap& map);
 
   TrackingConfig config_;
   PoseBelief belief_;
   Matrix6 information_ = Matrix6::Zero();  // of the last revolution that corrected the pose
-  Surroundings surroundings_;
-  int looks_ = 0;       // consecutive revolutions that corrected the pose
-  int revolution_ = 0;  // counts revolutions between two checks of the surroundings
+  NearbyAlternatives alternatives_;
+  int corrections_ = 0;  // consecutive revolutions that corrected the pose
+  int revolution_ = 0;   // counts revolutions between two checks of the surroundings
   bool lost_ = true;
   bool was_found_ = false;
   int fitting_ = 0;  // consecutive revolutions

@@ -42,12 +42,12 @@ bool OdometryHistory::fill(const OdometrySample& sample) {
 std::optional<MissingMessages> OdometryHistory::gap(std::int64_t from) const {
   if (samples_.empty()) return std::nullopt;
   const std::int64_t first = samples_.front().utime;
-  if (begin_ > 0 && from < first && first - begin_ > kMeasured && first - begin_ <= ResendClient::kMostMissing)
+  if (begin_ > 0 && from < first && first - begin_ > kMeasured && first - begin_ <= ResendClient::kMaxMissing)
     return MissingMessages{begin_ - 1, first};
   const auto step = [this](std::size_t i) { return samples_[i + 1].utime - samples_[i].utime; };
   const std::size_t later = lower_bound(from + 1);
   for (std::size_t i = later > 0 ? later - 1 : 0; i + 1 < samples_.size(); ++i) {
-    if (step(i) < kShortestGap || step(i) > ResendClient::kMostMissing) continue;
+    if (step(i) < kShortestGap || step(i) > ResendClient::kMaxMissing) continue;
     std::int64_t beside = std::numeric_limits<std::int64_t>::max();
     if (i > 0) beside = step(i - 1);
     if (i + 2 < samples_.size()) beside = std::min(beside, step(i + 1));

@@ -42,7 +42,7 @@ class OdometryHistory {
   /// too.
   void begin_at(std::int64_t utime) { begin_ = utime; }
   /// The first gap that ends later than `from`, us: an interval longer than kGapSteps of the neighbouring intervals. At
-  /// most ResendClient::kMostMissing long.
+  /// most ResendClient::kMaxMissing long.
   [[nodiscard]] std::optional<MissingMessages> gap(std::int64_t from) const;
   /// Inserts a sample before the newest one. False if there is one with the same stamp, or no room.
   bool fill(const OdometrySample& sample);

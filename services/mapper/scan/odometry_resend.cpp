@@ -26,7 +26,7 @@ void OdometryResend::tick(std::int64_t now) {
 
 bool OdometryResend::is_waited_for(const Scan& scan) {
   from_ = std::max(from_, scan.start - kBeforeScan);
-  if (from_ - scan.start > ResendClient::kMostMissing) from_ = scan.start - kBeforeScan;  // the clock was set back
+  if (from_ - scan.start > ResendClient::kMaxMissing) from_ = scan.start - kBeforeScan;  // the clock was set back
   while (const std::optional<MissingMessages> gap = history_.gap(from_)) {
     if (gap->after >= scan.end) return false;
     if (gap->after != gap_from_) {

@@ -18,10 +18,10 @@ bool is_next(std::int32_t number, std::int32_t before) {
 bool PacketIntake::is_gap_before(const lidar_points_t& packet) const {
   if (!last_)
     return begin_after_ && packet.utime > *begin_after_ + 1 &&
-           packet.utime - *begin_after_ <= ResendClient::kMostMissing;
+           packet.utime - *begin_after_ <= ResendClient::kMaxMissing;
   const std::int64_t step = std::int64_t{packet.packet} - last_->number;
   const std::int64_t ahead = packet.utime - last_->utime;
-  return step > 1 && step <= kMostPackets && ahead > 0 && ahead <= ResendClient::kMostMissing;
+  return step > 1 && step <= kMostPackets && ahead > 0 && ahead <= ResendClient::kMaxMissing;
 }
 
 bool PacketIntake::is_of_another(const lidar_points_t& packet) const {

@@ -6,7 +6,7 @@
 
 namespace curbstone::semantic_map::cells {
 
-ColumnMeter::ColumnMeter(const ground::GroundSurface& ground, const ClassParameters& parameters)
+ColumnAccumulator::ColumnAccumulator(const ground::GroundSurface& ground, const ClassParameters& parameters)
     : parameters_(parameters), cells_(tile::kCellsInTile) {
   unread_.set();
   for (int row = 0; row < kCellsPerTile; ++row) {
@@ -19,7 +19,7 @@ ColumnMeter::ColumnMeter(const ground::GroundSurface& ground, const ClassParamet
   }
 }
 
-void ColumnMeter::add(std::span<const tile::VotedPoints::Place> points) {
+void ColumnAccumulator::add(std::span<const tile::VotedPoints::Place> points) {
   const double drop = std::max(parameters_.min_obstacle, parameters_.max_step);
   for (const tile::VotedPoints::Place& p : points) {
     const int column = std::clamp(static_cast<int>(double{p.x} / kCellSize), 0, kCellsPerTile - 1);
@@ -27,7 +27,7 @@ void ColumnMeter::add(std::span<const tile::VotedPoints::Place> points) {
     const auto index = static_cast<std::size_t>(row * kCellsPerTile + column);
     Cell& at = cells_[index];
     CellColumn& cell = at.column;
-    if (cell.points == CellColumn::kMostPoints) continue;
+    if (cell.points == CellColumn::kMaxPoints) continue;
     unread_.set(index);
     ++cell.points;
     at.lowest = std::min(at.lowest, p.z);
@@ -56,7 +56,7 @@ void ColumnMeter::add(std::span<const tile::VotedPoints::Place> points) {
   num_points_ += points.size();
 }
 
-bool ColumnMeter::read(CellColumns& columns) {
+bool ColumnAccumulator::read(CellColumns& columns) {
   bool is_other = false;
   for (std::size_t i = 0; i < tile::kCellsInTile; ++i) {
     if (!unread_[i]) continue;
@@ -82,10 +82,10 @@ bool ColumnMeter::read(CellColumns& columns) {
 
 CellColumns measure_columns(const tile::VotedTile& tile, const ground::GroundSurface& ground,
                             const ClassParameters& parameters) {
-  ColumnMeter meter(ground, parameters);
-  meter.add(tile.points.places());
+  ColumnAccumulator accumulator(ground, parameters);
+  accumulator.add(tile.points.places());
   CellColumns columns;
-  meter.read(columns);
+  accumulator.read(columns);
   return columns;
 }
 

@@ -37,10 +37,10 @@ struct ClassParameters {
   }
 };
 
-/// Statistics of the points of one 0.12 m cell, by height above the ground; if there are more than kMostPoints, of the
+/// Statistics of the points of one 0.12 m cell, by height above the ground; if there are more than kMaxPoints, of the
 /// first ones.
 struct CellColumn {
-  static constexpr int kMostPoints = 60'000;
+  static constexpr int kMaxPoints = 60'000;
   std::uint16_t points = 0;  ///< all points, including those neither on the ground nor in the way
   std::uint16_t ground_points = 0;
   float ground_z = 0;                 ///< m in map, mean of the ground points; without any: of the lowest point
@@ -84,14 +84,14 @@ struct CellColumns {
 };
 
 /// Assigns the points of a tile to its columns as they arrive.
-class ColumnMeter {
+class ColumnAccumulator {
  public:
-  ColumnMeter(const ground::GroundSurface& ground, const ClassParameters& parameters);
+  ColumnAccumulator(const ground::GroundSurface& ground, const ClassParameters& parameters);
 
   void add(std::span<const tile::VotedPoints::Place> points);
   [[nodiscard]] std::size_t num_points() const { return num_points_; }
-  /// Updates columns that this meter has read before (any columns at the first call): the result is the same as if all
-  /// points so far had come at once. Returns whether the columns changed.
+  /// Updates columns that this accumulator has read before (any columns at the first call): the result is the same as
+  /// if all points so far had come at once. Returns whether the columns changed.
   bool read(CellColumns& columns);
 
  private:

@@ -122,7 +122,7 @@ VehicleCells find_vehicles(const tile::Around<CellColumns>& columns) {
   return may_hold_vehicles(columns) ? find_among(columns) : VehicleCells{};
 }
 
-VehicleCells VehicleMemo::find(const tile::Around<CellColumns>& columns) {
+VehicleCells VehicleCache::find(const tile::Around<CellColumns>& columns) {
   if (!may_hold_vehicles(columns)) return {};
   const StandingAround around = standing_around(columns);
   Found& found = found_[hash_of(around) % found_.size()];

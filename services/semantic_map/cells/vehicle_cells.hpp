@@ -21,7 +21,7 @@ using StandingAround = std::array<std::bitset<tile::kCellsInTile>, 18>;
 
 /// Caches find_vehicles() for a caller that asks for the same tiles repeatedly: usually nothing in or around a tile has
 /// changed, and the result is the same. A value type; one thread.
-class VehicleMemo {
+class VehicleCache {
  public:
   /// The same as find_vehicles().
   [[nodiscard]] VehicleCells find(const tile::Around<CellColumns>& columns);

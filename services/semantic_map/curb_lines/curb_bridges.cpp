@@ -17,7 +17,7 @@ namespace {
 constexpr double kLongest = 8.0;       // m: a van, or a car with the space before and behind it
 constexpr double kSight = 2.0;         // m of a line that determine its direction and height at the end
 constexpr double kMinSure = 1.5;       // m, least length of a line
-constexpr double kMostTurn = 0.25;     // rad between a line's end and the chord
+constexpr double kMaxTurn = 0.25;      // rad between a line's end and the chord
 constexpr double kUnevenTurns = 0.08;  // rad, largest difference of the two turns: on an arc they are equal
 constexpr double kOffArc = 0.10;       // m, further tolerance
 constexpr double kAlikeHeight = 0.03;  // m, or a third
@@ -26,12 +26,12 @@ constexpr double kMinTip = 0.035;      // m
 constexpr double kClimb = 0.12;        // of the street
 constexpr double kVertices = 0.20;     // m
 constexpr double kSeenStep = 0.4;      // of the expected step: a visible step below it is not a curb
-constexpr double kMostFlat = 0.45;     // m of the bridge that may visibly have no step: the tips of lines
-constexpr double kMinLowered = 1.0;    // m
-constexpr double kLowStep = 0.010;     // m
-constexpr double kLowSigmas = 3.0;     // of the step along it: its line is known, only its height is not
-constexpr double kHighest = 0.06;      // m: higher steps are found without a bridge
-constexpr double kBeside = 0.5;        // m: a measured line this close takes precedence
+constexpr double kMaxFlatLength = 0.45;  // m of the bridge that may visibly have no step: the tips of lines
+constexpr double kMinLowered = 1.0;      // m
+constexpr double kLowStep = 0.010;       // m
+constexpr double kLowSigmas = 3.0;       // of the step along it: its line is known, only its height is not
+constexpr double kHighest = 0.06;        // m: higher steps are found without a bridge
+constexpr double kBeside = 0.5;          // m: a measured line this close takes precedence
 
 using Cell = std::pair<std::int64_t, std::int64_t>;
 
@@ -93,7 +93,7 @@ bool goes_on(const LineEnd& from, const LineEnd& to) {
   if (gap < kVertices || gap > kLongest) return false;
   const double before = turn_between(from.along, chord);
   const double behind = turn_between(chord, to.along);
-  if (std::max(std::abs(before), std::abs(behind)) > kMostTurn) return false;
+  if (std::max(std::abs(before), std::abs(behind)) > kMaxTurn) return false;
   if (std::abs(before - behind) > kUnevenTurns + kOffArc / gap) return false;
   return std::abs(double{from.tip.z} - double{to.tip.z}) < kClimb * gap + kAlikeHeight;
 }
@@ -148,7 +148,7 @@ bool is_contradicted(const SeenGround& ground, const std::vector<tile::CurbVerte
     const auto high = seen_beside(ground, place(v), up);
     if (low && high && *high - *low < kSeenStep * double{v.height}) ++flat;
   }
-  return flat * kVertices > kMostFlat;
+  return flat * kVertices > kMaxFlatLength;
 }
 
 /// Whether a measured line lies beside the bridge's middle.

@@ -23,7 +23,7 @@ constexpr double kSlopeAlong = 0.05;
 // sensor by the beam's own slope, 0.2 to 0.4, and the next line like a step up from there.
 constexpr double kPlaceNoise = 0.04;
 // Of a step, put down to that noise: two thin sides far apart would leave nothing of it.
-constexpr double kMostMissing = 0.5;
+constexpr double kMaxMissing = 0.5;
 // Of a step, what is there with no slope at all. The ground's own lean (below) takes up to half, over the 0.4 m from
 // one side to the other, and noise a little more. The noise within lines that run aslant makes both sides fall, and of
 // a step that it made a tenth is left.
@@ -85,7 +85,7 @@ void fit_sides(const SideSums& low, const SideSums& high, double noise, StepFits
     // The heights are above ground that climbs the step within about a metre: against it both sides fall, and as much
     // of that as was put down to noise is missing in the step.
     const double missing = kOwnLean * by_noise * (inverse_uu * apart_u + inverse_ut * apart_t);
-    fits.full_height[k] = fits.height[k] / (1 - (missing < 0 ? 0 : missing > kMostMissing ? kMostMissing : missing));
+    fits.full_height[k] = fits.height[k] / (1 - (missing < 0 ? 0 : missing > kMaxMissing ? kMaxMissing : missing));
     fits.sigma[k] = 1 / low.n[k] + 1 / high.n[k] +
                     (apart_u * (inverse_uu * apart_u + inverse_ut * apart_t) +
                      apart_t * (inverse_ut * apart_u + inverse_tt * apart_t));
@@ -182,7 +182,7 @@ std::optional<HeightStep> find_height_step(const StepWindow& points, double nois
   return most_certain(fits, sides.exist);
 }
 
-StepSides look_at_sides(const StepWindow& points, const HeightStep& step, const tile::CurbParameters& parameters) {
+StepSides evaluate_sides(const StepWindow& points, const HeightStep& step, const tile::CurbParameters& parameters) {
   return {.clear = clear_height(points, step, parameters.half_window), .face_above = count_face_above(points, step)};
 }
 

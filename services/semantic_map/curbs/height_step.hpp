@@ -52,7 +52,7 @@ struct StepSides {
 [[nodiscard]] std::optional<HeightStep> find_height_step(const StepWindow& points, double noise,
                                                          const tile::CurbParameters& parameters);
 /// Takes as long as find_height_step(): for steps that have passed every other test.
-[[nodiscard]] StepSides look_at_sides(const StepWindow& points, const HeightStep& step,
-                                      const tile::CurbParameters& parameters);
+[[nodiscard]] StepSides evaluate_sides(const StepWindow& points, const HeightStep& step,
+                                       const tile::CurbParameters& parameters);
 
 }  // namespace curbstone::semantic_map::curbs

@@ -35,7 +35,7 @@ class Band {
  private:
   double b_, most_, inverse_a_;
 };
-constexpr std::size_t kMostRows = NearGroundPoints::kSide;
+constexpr std::size_t kMaxRows = NearGroundPoints::kSide;
 constexpr double kRounding = 1e-4;  // m: how much too small an interval may be
 
 /// What is looked at for a step: a rectangle about a cell, `up` across it.
@@ -89,7 +89,7 @@ void fill_window(const NearGroundPoints& points, const StepRectangle& r, bool ex
   const Interval box{column0 * kCellSize - r.at.x(), (column1 + 1) * kCellSize - r.at.x()};
   const Band lengthwise(along.x(), along.y(), r.half_length);
   const Band crosswise(r.up.x(), r.up.y(), r.half_width);
-  std::array<Run, kMostRows> runs;
+  std::array<Run, kMaxRows> runs;
   std::size_t num_runs = 0;
   std::size_t n = 0;
   for (int row = std::max(cell_at(r.at.y() - extent_y), -NearGroundPoints::kMarginCells); row <= row1; ++row) {
@@ -153,7 +153,7 @@ double StepSearch::look_in(const Eigen::Vector2d& up, double half_length, bool e
       rival = &other;
   }
   if (rival != nullptr && !is_more_certain(*step, rival->step)) return certain;
-  const StepSides sides = look_at_sides(window_, *step, parameters_);
+  const StepSides sides = evaluate_sides(window_, *step, parameters_);
   if (!parts_its_sides(sides, *step, parameters_)) return certain;
   const FoundStep found{*step, find_curb_face(window_, *step), up, half_length};
   if (rival != nullptr)

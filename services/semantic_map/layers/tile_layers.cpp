@@ -44,14 +44,14 @@ std::unique_ptr<TileLayers> unpack(const PackedValues& packed) {
 
 void SleepingLayers::sleep(SpillFile& file) {
   if (!awake_) return;
-  away_ = file.put(pack(*awake_));
+  spilled_ = file.put(pack(*awake_));
   awake_.reset();
 }
 
 bool SleepingLayers::wake() {
   if (awake_) return true;
   try {
-    awake_ = unpack(std::exchange(away_, {}).read());
+    awake_ = unpack(std::exchange(spilled_, {}).read());
   } catch (const std::runtime_error&) {
     awake_ = std::make_unique<TileLayers>();
     return false;

@@ -24,7 +24,7 @@ class SleepingLayers {
  public:
   SleepingLayers() = default;
   SleepingLayers(const SleepingLayers& other)
-      : awake_(other.awake_ ? std::make_unique<TileLayers>(*other.awake_) : nullptr), away_(other.away_) {}
+      : awake_(other.awake_ ? std::make_unique<TileLayers>(*other.awake_) : nullptr), spilled_(other.spilled_) {}
   SleepingLayers(SleepingLayers&&) noexcept = default;
   SleepingLayers& operator=(const SleepingLayers& other) { return *this = SleepingLayers(other); }
   SleepingLayers& operator=(SleepingLayers&&) noexcept = default;
@@ -40,7 +40,7 @@ class SleepingLayers {
 
  private:
   std::unique_ptr<TileLayers> awake_ = std::make_unique<TileLayers>();
-  SpillFile::Values away_;
+  SpillFile::Values spilled_;
 };
 
 }  // namespace curbstone::semantic_map::layers

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "services/semantic_map/marking_lines/marking_strings.hpp"
+#include "services/semantic_map/marking_lines/piece_sequences.hpp"
 
 namespace curbstone::semantic_map::marking_lines {
 namespace {
@@ -154,7 +154,7 @@ std::vector<std::vector<std::size_t>> group_bars(const std::vector<MarkingPiece>
 
 }  // namespace
 
-std::vector<tile::MarkingLine> take_crossings(std::vector<MarkingPiece>& pieces) {
+std::vector<tile::MarkingLine> extract_crossings(std::vector<MarkingPiece>& pieces) {
   std::vector<tile::MarkingLine> lines;
   std::vector<bool> taken(pieces.size());
   for (const std::vector<std::size_t>& members : group_bars(pieces)) {

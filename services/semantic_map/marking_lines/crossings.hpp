@@ -10,6 +10,6 @@ namespace curbstone::semantic_map::marking_lines {
 /// Finds pedestrian crossings: three or more broad bars side by side at even distances, and neighbouring bars of which
 /// only a part is seen. Removes their pieces, and pieces that seem to lie across their bars: nothing else is painted
 /// there.
-[[nodiscard]] std::vector<tile::MarkingLine> take_crossings(std::vector<MarkingPiece>& pieces);
+[[nodiscard]] std::vector<tile::MarkingLine> extract_crossings(std::vector<MarkingPiece>& pieces);
 
 }  // namespace curbstone::semantic_map::marking_lines

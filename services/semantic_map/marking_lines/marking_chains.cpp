@@ -11,8 +11,8 @@ namespace curbstone::semantic_map::marking_lines {
 namespace {
 
 constexpr double kVoteSigma = 0.5;      // m, of the vote
-constexpr double kLeastMass = 1.2;      // a row of single cells has 4 at each place, 2 at its ends
-constexpr double kLeastStick = 0.25;    // where lines cross there is no direction
+constexpr double kMinMass = 1.2;        // a row of single cells has 4 at each place, 2 at its ends
+constexpr double kMinStick = 0.25;      // where lines cross there is no direction
 constexpr double kAcrossRidge = 0.30;   // m, of the cells that belong to the centre
 constexpr double kAlongRidge = 0.30;    // m
 constexpr double kRidgeSpacing = 0.10;  // m between ridge points
@@ -225,7 +225,7 @@ std::vector<MarkingChain> chain_markings(const MarkingField& field, const ChainO
   for (std::size_t i = 0; i < votes.size(); ++i) {
     const MapMarkingCell& cell = field.cells()[i];
     if (!cell.is_strong) continue;
-    if (options.vote && (votes[i].mass < kLeastMass || votes[i].stick < kLeastStick)) continue;
+    if (options.vote && (votes[i].mass < kMinMass || votes[i].stick < kMinStick)) continue;
     ridge.push_back(on_ridge(field, cell.at, votes[i]));
   }
   ridge = thinned(std::move(ridge));

@@ -9,7 +9,7 @@
 #include "services/semantic_map/marking_lines/crossings.hpp"
 #include "services/semantic_map/marking_lines/marking_chains.hpp"
 #include "services/semantic_map/marking_lines/marking_pieces.hpp"
-#include "services/semantic_map/marking_lines/marking_strings.hpp"
+#include "services/semantic_map/marking_lines/piece_sequences.hpp"
 
 namespace curbstone::semantic_map::marking_lines {
 namespace {
@@ -33,11 +33,11 @@ std::vector<tile::MarkingLine> link_marking_cells(const std::vector<MapMarkingCe
     auto piece = measure_piece(field, chain);
     if (piece && is_paint(*piece, parameters)) pieces.push_back(std::move(*piece));
   }
-  const std::vector<tile::MarkingLine> crossings = take_crossings(pieces);
+  const std::vector<tile::MarkingLine> crossings = extract_crossings(pieces);
   std::vector<tile::MarkingLine> lines = crossings;
-  for (const MarkingString& string : join_pieces(pieces, crossings)) {
-    if (string.size() == 1 && string.front().length() < kShortestAlone) continue;
-    lines.push_back(line_of(string, path));
+  for (const PieceSequence& sequence : join_pieces(pieces, crossings)) {
+    if (sequence.size() == 1 && sequence.front().length() < kShortestAlone) continue;
+    lines.push_back(line_of(sequence, path));
   }
   for (std::size_t i = 0; i < lines.size(); ++i) lines[i].id = static_cast<std::int32_t>(i);
   return lines;

@@ -15,12 +15,12 @@ constexpr int kBlock = 5;  // cells a side that share their surroundings
 constexpr int kReach = 8;  // cells around a block: its cells are 1.0 to 1.5 m from the window's edge
 constexpr int kFewest = 30;
 constexpr double kBrightestRoad = 96;  // half as bright again, and no paint between: grass
-constexpr double kMostSpread = 12;     // from cell to cell: more is tar among the asphalt
+constexpr double kMaxSpread = 12;      // from cell to cell: more is tar among the asphalt
 constexpr int kDirections = 8;
 constexpr double kWeakShare = 0.35;  // of the least contrast: where paint's edges are
 constexpr double kFromCurb = 0.25;   // m
 constexpr double kPavement = 6.0;    // m beyond a curb that are no road
-constexpr double kLeastSpread = 4;   // of a point's intensity: no sensor is better
+constexpr double kMinSpread = 4;     // of a point's intensity: no sensor is better
 constexpr double kSideShare = 0.6;   // of a cell's contrast, that its sides lie below: cell by cell that is noisy
 constexpr int kBeside = 5;           // cells about what is bright that are kept
 
@@ -96,7 +96,7 @@ std::optional<double> level_around(const Patch& patch, int column0, int row0) {
   if (low > kBrightestRoad) return std::nullopt;
   // Tar around does not turn asphalt into paint.
   if (middle > kBrightestRoad) return std::max(kDarkestRoad, low);
-  const double spread = std::min(kMostSpread, (middle - low) / (0.674 - 0.126));
+  const double spread = std::min(kMaxSpread, (middle - low) / (0.674 - 0.126));
   return std::max(kDarkestRoad, middle + 0.126 * spread);
 }
 
@@ -173,7 +173,7 @@ double point_variance(const PaintLayer& layer) {
                static_cast<double>(cell.sum) * static_cast<double>(cell.sum) / static_cast<double>(cell.count);
     n += static_cast<double>(cell.count) - 1;
   }
-  return std::max(kLeastSpread * kLeastSpread, n > 0 ? squares / n : 0);
+  return std::max(kMinSpread * kMinSpread, n > 0 ? squares / n : 0);
 }
 
 /// Centroid of the brighter part of a cell: points are weighted by their brightness over the ground around. For a cell

@@ -8,13 +8,13 @@
 namespace curbstone::semantic_map::markings {
 namespace {
 
-constexpr float kBand = 0.05F;           // m about the ground
-constexpr std::uint32_t kMost = 60'000;  // points of a cell, so that no sum overflows
+constexpr float kBand = 0.05F;                // m about the ground
+constexpr std::uint32_t kMaxPoints = 60'000;  // points of a cell, so that no sum overflows
 constexpr int kSteps = kStepsPerTile / kCellsPerTile;
 
 }  // namespace
 
-PaintLayer lay_paint(const tile::VotedTile& tile, const ground::GroundSurface& ground) {
+PaintLayer accumulate_paint(const tile::VotedTile& tile, const ground::GroundSurface& ground) {
   PaintLayer layer;
   if (tile.intensity.size() != tile.points.size()) return layer;
   std::array<float, tile::kCellsInTile> height;
@@ -36,7 +36,7 @@ PaintLayer lay_paint(const tile::VotedTile& tile, const ground::GroundSurface& g
     if (!(std::abs(p.z - height[k]) <= kBand)) continue;
     if (layer.cells.empty()) layer.cells.resize(tile::kCellsInTile);
     PaintCell& cell = layer.cells[k];
-    if (cell.count == kMost) continue;
+    if (cell.count == kMaxPoints) continue;
     const auto in_x = static_cast<std::uint32_t>(x - column * kSteps);
     const auto in_y = static_cast<std::uint32_t>(y - row * kSteps);
     ++cell.count;

@@ -27,6 +27,6 @@ struct PaintLayer {
 };
 
 /// Sums up the points within 5 cm of the ground whose intensity is known (not 0).
-[[nodiscard]] PaintLayer lay_paint(const tile::VotedTile& tile, const ground::GroundSurface& ground);
+[[nodiscard]] PaintLayer accumulate_paint(const tile::VotedTile& tile, const ground::GroundSurface& ground);
 
 }  // namespace curbstone::semantic_map::markings

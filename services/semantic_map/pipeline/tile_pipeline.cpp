@@ -12,8 +12,8 @@ namespace curbstone::semantic_map::pipeline {
 namespace {
 
 constexpr std::size_t kSettledAtOnce = 256;  // tiles, before their products are taken
-constexpr unsigned kMostThreads = 8;
-constexpr std::size_t kMostMeters = 512;  // 40 kB each; tiles in sight of the vehicle are fewer
+constexpr unsigned kMaxThreads = 8;
+constexpr std::size_t kMaxAccumulators = 512;  // 40 kB each; tiles in sight of the vehicle are fewer
 
 }  // namespace
 
@@ -86,7 +86,7 @@ std::optional<VotedChange> TilePipeline::apply(const tile::VotedStep& step) {
   let_sleep();
   Tile* const known = find(step.key);
   if (known != nullptr) wake(step.key, *known);
-  if (!tile::goes_on_from(step, known == nullptr ? nullptr : &known->layers->voted)) return std::nullopt;
+  if (!tile::continues(step, known == nullptr ? nullptr : &known->layers->voted)) return std::nullopt;
   Tile& tile = known == nullptr ? tiles_[step.key] : *known;
   tile::VotedTile& voted = tile.layers->voted;
   const std::size_t points_before = voted.points.size();
@@ -105,7 +105,7 @@ void TilePipeline::set_voted(tile::VotedTile voted, bool has_grown) {
 
 void TilePipeline::voted_changed(TileKey key, Tile& tile, bool is_new, bool has_grown) {
   uses_.used(key, ++num_voted_);
-  if (!has_grown) meters_.erase(key);
+  if (!has_grown) accumulators_.erase(key);
   if (is_new) {
     note_change(key, tile);
     for (const Step step : kUrgentSteps) mark(step, key, tile);
@@ -123,7 +123,7 @@ void TilePipeline::clear() {
   lost_.clear();
   uses_.clear();
   visits_.clear();
-  meters_.clear();
+  accumulators_.clear();
   for (auto& step : stale_) step.clear();
 }
 
@@ -139,7 +139,7 @@ void TilePipeline::refresh(Step step, TileKey key, Tile& tile) {
              compute(step, key, tile, &vehicles_));
 }
 
-TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& tile, cells::VehicleMemo* vehicles) {
+TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& tile, cells::VehicleCache* vehicles) {
   const auto models = [&] { return around<ground::GroundModel>(key, [](Tile& t) { return &t.ground; }); };
   switch (step) {
     case kSamples:
@@ -155,7 +155,7 @@ TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& 
     case kClasses:
       return classify(key, tile, vehicles);
     case kPaint:
-      return markings::lay_paint(tile.layers->voted, ground::GroundSurface(models()));
+      return markings::accumulate_paint(tile.layers->voted, ground::GroundSurface(models()));
     case kMarkings:
       return markings::find_marking_cells(
           {around<markings::PaintLayer>(key, [](Tile& t) { return &t.layers->paint; }),
@@ -168,7 +168,7 @@ TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& 
   return std::monostate{};
 }
 
-tile::MapTile TilePipeline::classify(TileKey key, const Tile& tile, cells::VehicleMemo* vehicles) {
+tile::MapTile TilePipeline::classify(TileKey key, const Tile& tile, cells::VehicleCache* vehicles) {
   tile::MapTile result;
   result.key = key;
   result.utime = tile.layers->voted.utime;
@@ -198,7 +198,7 @@ void TilePipeline::take(TileKey key, Tile& tile, const ground::GroundModel& grou
   mark_around(kColumns, key);
   mark_around(kPaint, key);
   for_around(key, [&](TileKey k, Tile&) {
-    if (const auto meter = meters_.find(k); meter != meters_.end()) meter->second.ground_moved = true;
+    if (const auto found = accumulators_.find(k); found != accumulators_.end()) found->second.ground_moved = true;
   });
 }
 
@@ -211,21 +211,22 @@ void TilePipeline::take(TileKey key, Tile& tile, std::vector<curbs::CurbCandidat
 }
 
 void TilePipeline::refresh_columns(TileKey key, Tile& tile) {
-  if (const auto meter = meters_.find(key); meter != meters_.end() && meter->second.ground_moved) meters_.erase(meter);
+  if (const auto it = accumulators_.find(key); it != accumulators_.end() && it->second.ground_moved)
+    accumulators_.erase(it);
   measure_columns(key, tile);
 }
 
 /// On the ground that the tile was measured on before, if it was.
 void TilePipeline::measure_columns(TileKey key, Tile& tile) {
-  auto at = meters_.find(key);
-  if (at == meters_.end()) {
-    if (meters_.size() >= kMostMeters) meters_.clear();
+  auto at = accumulators_.find(key);
+  if (at == accumulators_.end()) {
+    if (accumulators_.size() >= kMaxAccumulators) accumulators_.clear();
     const ground::GroundSurface ground(around<ground::GroundModel>(key, [](Tile& t) { return &t.ground; }));
-    at = meters_.try_emplace(key, GroundedMeter{cells::ColumnMeter(ground, classes_)}).first;
+    at = accumulators_.try_emplace(key, GroundedAccumulator{cells::ColumnAccumulator(ground, classes_)}).first;
   }
-  cells::ColumnMeter& meter = at->second.meter;
-  meter.add(tile.layers->voted.points.places().subspan(meter.num_points()));
-  if (meter.read(tile.layers->columns)) mark_around(kClasses, key);
+  cells::ColumnAccumulator& accumulator = at->second.accumulator;
+  accumulator.add(tile.layers->voted.points.places().subspan(accumulator.num_points()));
+  if (accumulator.read(tile.layers->columns)) mark_around(kClasses, key);
 }
 
 void TilePipeline::take(TileKey key, Tile& tile, std::vector<curbs::CurbPoint> curbs) {
@@ -276,8 +277,8 @@ void TilePipeline::update_columns(TileKey key) {
   if (!tile->classes) {
     for (const Step step : {kSamples, kGround}) refresh(step, key, *tile);
   }
-  const auto meter = meters_.find(key);
-  if (meter != meters_.end() && meter->second.ground_moved) {
+  const auto found = accumulators_.find(key);
+  if (found != accumulators_.end() && found->second.ground_moved) {
     measure_columns(key, *tile);
   } else {
     refresh(kColumns, key, *tile);
@@ -315,7 +316,7 @@ WorkResult TilePipeline::run(const TileWork& work) {
 
 /// Step by step: whatever a step makes stale is of a later one.
 WorkResult TilePipeline::settle(int threads) {
-  if (threads <= 0) threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, kMostThreads));
+  if (threads <= 0) threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, kMaxThreads));
   result_ = {};
   for (const Step step : kUrgentSteps) settle_step(step, threads);
   for (const Step step : kPatientSteps) settle_step(step, threads);

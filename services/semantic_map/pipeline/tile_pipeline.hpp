@@ -12,7 +12,7 @@
 #include <variant>
 #include <vector>
 
-#include "common/tiles/use_order.hpp"
+#include "common/tiles/lru_order.hpp"
 #include "services/semantic_map/cells/cell_classes.hpp"
 #include "services/semantic_map/curbs/curb_evidence.hpp"
 #include "services/semantic_map/curbs/curb_filter.hpp"
@@ -41,8 +41,8 @@ class TilePipeline {
  public:
   TilePipeline(const tile::CurbParameters& curb, const cells::ClassParameters& classes,
                const markings::MarkingParameters& markings = {},
-               std::shared_ptr<SpillFile> far = std::make_shared<SpillFile>())
-      : curb_(curb), classes_(classes), markings_(markings), far_(std::move(far)) {}
+               std::shared_ptr<SpillFile> spill_file = std::make_shared<SpillFile>())
+      : curb_(curb), classes_(classes), markings_(markings), spill_file_(std::move(spill_file)) {}
 
   /// Takes a tile to the step's revision. Nothing if the step does not go on from what the tile is.
   std::optional<VotedChange> apply(const tile::VotedStep& step);
@@ -128,8 +128,8 @@ class TilePipeline {
                                std::vector<curbs::CurbCandidate>, std::vector<curbs::CurbPoint>, tile::MapTile,
                                markings::PaintLayer, std::vector<markings::MarkingCell>>;
   /// `vehicles`: of this thread alone; nullptr: nothing is remembered.
-  [[nodiscard]] Product compute(Step step, TileKey key, const Tile& tile, cells::VehicleMemo* vehicles);
-  [[nodiscard]] tile::MapTile classify(TileKey key, const Tile& tile, cells::VehicleMemo* vehicles);
+  [[nodiscard]] Product compute(Step step, TileKey key, const Tile& tile, cells::VehicleCache* vehicles);
+  [[nodiscard]] tile::MapTile classify(TileKey key, const Tile& tile, cells::VehicleCache* vehicles);
   void take(TileKey key, Tile& tile, std::monostate columns);
   void take(TileKey key, Tile& tile, const ground::GroundSamples& samples);
   void take(TileKey key, Tile& tile, const ground::GroundModel& ground);
@@ -150,21 +150,21 @@ class TilePipeline {
   std::array<std::map<std::int64_t, TileKey>, kNumSteps> stale_;  ///< by turn: the oldest first
   std::int64_t turn_ = kFresh;
   /// Of tiles that grow: so that only their new points need be looked at.
-  struct GroundedMeter {
-    cells::ColumnMeter meter;
+  struct GroundedAccumulator {
+    cells::ColumnAccumulator accumulator;
     bool ground_moved = false;  ///< since it was made
   };
-  std::unordered_map<TileKey, GroundedMeter, TileKeyHash> meters_;
-  cells::VehicleMemo vehicles_;    ///< of the tiles that are computed one by one
-  UseOrder uses_;                  ///< of the tiles that are awake, by num_voted_
-  UseOrder visits_;                ///< likewise, of those that only old steps have woken
+  std::unordered_map<TileKey, GroundedAccumulator, TileKeyHash> accumulators_;
+  cells::VehicleCache vehicles_;   ///< of the tiles that are computed one by one
+  LruOrder uses_;                  ///< of the tiles that are awake, by num_voted_
+  LruOrder visits_;                ///< likewise, of those that only old steps have woken
   bool does_old_step_ = false;     ///< the work in hand
   std::int64_t num_voted_ = 0;     ///< voted steps that have come
   std::vector<TileKey> awakened_;  ///< by the work in hand
   std::vector<TileKey> lost_;
-  std::shared_ptr<SpillFile> far_;  ///< what sleeps
-  WorkResult result_;               ///< of the work in hand
-  std::vector<TileKey> changed_;    ///< for take_changed()
+  std::shared_ptr<SpillFile> spill_file_;  ///< what sleeps
+  WorkResult result_;                      ///< of the work in hand
+  std::vector<TileKey> changed_;           ///< for take_changed()
   std::int64_t num_evidence_ = 0;
 };
 

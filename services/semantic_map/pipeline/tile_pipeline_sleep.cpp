@@ -19,8 +19,8 @@ void TilePipeline::wake(TileKey key, Tile& tile) {
 void TilePipeline::sleep(TileKey key) {
   uses_.erase(key);
   visits_.erase(key);
-  meters_.erase(key);
-  if (Tile* const tile = find(key)) tile->layers.sleep(*far_);
+  accumulators_.erase(key);
+  if (Tile* const tile = find(key)) tile->layers.sleep(*spill_file_);
 }
 
 /// One of each at most: what a drive leaves behind falls asleep without a stop.

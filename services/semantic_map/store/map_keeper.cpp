@@ -34,7 +34,7 @@ void MapKeeper::start(std::int32_t epoch, std::int64_t utime) {
   const bool goes_on = pending_.trajectory.empty() && store_->last_utime() > 0 && store_->epoch() == epoch &&
                        utime > store_->last_utime() && utime - store_->last_utime() < kLongestBreak;
   const std::string keep_in = goes_on ? "" : make_room(utime);
-  lines_before_ = goes_on ? read_lines() : nullptr;
+  previous_lines_ = goes_on ? read_lines() : nullptr;
   epoch_ = epoch;
   has_begun_ = true;
   newest_utime_ = utime;

@@ -53,7 +53,7 @@ class MapKeeper {
   using LinkLines = std::function<tile::MapLines()>;
   void put(LinkLines lines);
   /// The lines that the file had when start() continued its drive; otherwise nullptr.
-  [[nodiscard]] std::shared_ptr<const StoredLines> lines_before() const { return lines_before_; }
+  [[nodiscard]] std::shared_ptr<const StoredLines> previous_lines() const { return previous_lines_; }
   /// Duration of the last linking, us; 0: none yet.
   [[nodiscard]] std::int64_t linking_took() const { return linking_took_; }
   /// Starts to write pending changes, unless a transaction is under way.
@@ -94,7 +94,7 @@ class MapKeeper {
 
   std::string path_;
   std::unique_ptr<MapStore> store_;
-  std::shared_ptr<const StoredLines> lines_before_;
+  std::shared_ptr<const StoredLines> previous_lines_;
   /// The drive that was moved aside while this process ran.
   struct Earlier {
     std::string file;

@@ -96,7 +96,7 @@ bool adds_up(const VotedStep& step) {
 
 }  // namespace
 
-bool goes_on_from(const VotedStep& step, const VotedTile* tile) {
+bool continues(const VotedStep& step, const VotedTile* tile) {
   if (step.base == 0) return true;
   const voted_points_t& head = step.pages.front();
   return tile != nullptr && tile->chain == step.chain && tile->revision >= step.base &&

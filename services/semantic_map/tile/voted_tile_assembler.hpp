@@ -21,8 +21,8 @@ struct VotedStep {
 
 /// Whether the step continues from `tile`: the tile's revision is the step's base, or a later one in the same chain of
 /// steps. A step from nothing always does. nullptr: no tile.
-[[nodiscard]] bool goes_on_from(const VotedStep& step, const VotedTile* tile);
-/// Applies the step to a tile; goes_on_from() must be true. A step from nothing replaces the tile's content.
+[[nodiscard]] bool continues(const VotedStep& step, const VotedTile* tile);
+/// Applies the step to a tile; continues() must be true. A step from nothing replaces the tile's content.
 void take_step(const VotedStep& step, VotedTile& tile);
 
 /// Assembles the pages of VOTED_POINTS. A step is complete when all its pages have come, in any order; pages of an

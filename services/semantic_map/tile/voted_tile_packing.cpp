@@ -32,9 +32,9 @@ Position position_of(const Steps& steps, float z_origin) {
 }
 
 std::int16_t steps_in(float length) {
-  constexpr float kMost = std::numeric_limits<std::int16_t>::max();
+  constexpr float kMaxSteps = std::numeric_limits<std::int16_t>::max();
   const float steps = std::round(length / kStep);
-  return std::abs(steps) <= kMost ? static_cast<std::int16_t>(steps) : std::int16_t{0};
+  return std::abs(steps) <= kMaxSteps ? static_cast<std::int16_t>(steps) : std::int16_t{0};
 }
 
 /// Empty if a point does not lie on whole steps.

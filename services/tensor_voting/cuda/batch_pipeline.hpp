@@ -72,7 +72,7 @@ class BatchPipeline {
     grid_ = CellGrid::for_radius(reach * steps_per_metre_, (1 << 17) + 1, (1 << 20) + 1);  // for PlacePoints::kFar
     sort_voters(p.voxel);
     const double coarse = p.sigma / 8;
-    if (p.voxel < coarse && count_tests() > kMostTests * std::uint64_t{counts_.voters}) sort_voters(coarse);
+    if (p.voxel < coarse && count_tests() > kMaxTests * std::uint64_t{counts_.voters}) sort_voters(coarse);
   }
 
   void vote() {
@@ -85,8 +85,8 @@ class BatchPipeline {
   void download(std::vector<kernels::TensorF>& tensors, std::vector<VotedShape>& shapes) {
     Array<kernels::TensorF> all_tensors = machine_.template allocate<kernels::TensorF>(n_);
     Array<VotedShape> all_shapes = machine_.template allocate<VotedShape>(n_);
-    machine_.for_each(n_, HandOut{voter_of_.data(), rank_.data(), tensors_.data(), shapes_.data(), all_tensors.data(),
-                                  all_shapes.data()});
+    machine_.for_each(n_, ScatterResults{voter_of_.data(), rank_.data(), tensors_.data(), shapes_.data(),
+                                         all_tensors.data(), all_shapes.data()});
     tensors.resize(n_);
     shapes.resize(n_);
     machine_.download(all_tensors, n_, tensors.data());
@@ -116,8 +116,8 @@ class BatchPipeline {
   }
 
  private:
-  static constexpr double kStepsPerUnit = 1 << 20;     // as in StepCloud
-  static constexpr std::uint64_t kMostTests = 50'000;  // for one voter, on average
+  static constexpr double kStepsPerUnit = 1 << 20;    // as in StepCloud
+  static constexpr std::uint64_t kMaxTests = 50'000;  // for one voter, on average
 
   [[nodiscard]] float in_steps2(double length) const {
     return static_cast<float>(length * length * steps_per_metre_ * steps_per_metre_);

@@ -13,9 +13,9 @@ namespace curbstone::tensor_voting::cuda {
 /// The steps of batch voting, each a function of the index of a point, a voter or a window of 32 voters.
 
 /// Special keys in place of a cell or voxel: the reason why a point has none. They sort behind all other keys.
-inline constexpr std::uint64_t kThinnedOut = CellGrid::kNobody;
-inline constexpr std::uint64_t kTooFar = CellGrid::kNobody + 1;
-inline constexpr std::uint64_t kNotFinite = CellGrid::kNobody + 2;
+inline constexpr std::uint64_t kThinnedOut = CellGrid::kNoCell;
+inline constexpr std::uint64_t kTooFar = CellGrid::kNoCell + 1;
+inline constexpr std::uint64_t kNotFinite = CellGrid::kNoCell + 2;
 
 /// Conversion of metres to steps, and of steps to voxels.
 struct CloudFrame {
@@ -82,7 +82,7 @@ struct ThinOut {
   std::uint32_t* voter_of;  ///< of points
 
   CURBSTONE_HD void operator()(std::uint32_t i) const {
-    if (voxels[i] >= CellGrid::kNobody) return;
+    if (voxels[i] >= CellGrid::kNoCell) return;
     const std::uint32_t point = order[i];
     const std::uint32_t first = order[lower_bound(voxels, 0, num_points, voxels[i])];
     voter_of[point] = first;
@@ -118,7 +118,7 @@ struct OrderVoters {
 };
 
 /// Gives every point the tensor of its voter; skipped points get a tensor without votes.
-struct HandOut {
+struct ScatterResults {
   const std::uint32_t* voter_of;
   const std::uint32_t* rank;
   const kernels::TensorF* of_voters;

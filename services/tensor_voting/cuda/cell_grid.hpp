@@ -16,7 +16,7 @@ struct CellGrid {
   static constexpr int kBitsX = 23;
   static constexpr int kBitsY = 20;
   static constexpr int kBitsZ = 20;
-  static constexpr std::uint64_t kNobody = std::uint64_t{1} << 63;  ///< keys from here on belong to no cell
+  static constexpr std::uint64_t kNoCell = std::uint64_t{1} << 63;  ///< keys from here on belong to no cell
 
   float radius = 0;          ///< of a vote, in steps
   std::int32_t edge_x = 1;   ///< in steps
@@ -25,9 +25,9 @@ struct CellGrid {
   /// Edges are at least `least_x` and `least_yz` steps. Positions within +-2^22 times `least_x` in x and +-2^19 times
   /// `least_yz` in y and z then have a key.
   CURBSTONE_HD static CellGrid for_radius(double radius, std::int32_t least_x, std::int32_t least_yz) {
-    constexpr double kMost = 1 << 30;
+    constexpr double kMaxCells = 1 << 30;
     const auto edge = [&](int parts, std::int32_t least) {
-      return larger(static_cast<std::int32_t>(::ceil(smaller(radius / parts, kMost))), least);
+      return larger(static_cast<std::int32_t>(::ceil(smaller(radius / parts, kMaxCells))), least);
     };
     return {static_cast<float>(radius), edge(kFine, least_x), edge(kReach, least_yz)};
   }

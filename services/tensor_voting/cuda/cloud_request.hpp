@@ -12,6 +12,6 @@ namespace curbstone::tensor_voting::cuda {
 [[nodiscard]] BatchRequest request_for(std::span<const Eigen::Vector3d> points,
                                        const voting::VotingParameters& parameters, const voting::BatchOptions& options);
 /// Moves the results to `votes`; `output` gets the memory of `votes` in return.
-void hand_over(BatchOutput& output, voting::CloudVotes& votes);
+void move_result(BatchOutput& output, voting::CloudVotes& votes);
 
 }  // namespace curbstone::tensor_voting::cuda

@@ -55,7 +55,7 @@ BatchRequest request_for(std::span<const Eigen::Vector3d> points, const voting::
   return {parameters, {m.x(), m.y(), m.z()}, options.second_pass, options.equalise_density};
 }
 
-void hand_over(BatchOutput& output, voting::CloudVotes& votes) {
+void move_result(BatchOutput& output, voting::CloudVotes& votes) {
   std::swap(votes.tensors, output.tensors);
   votes.decompositions.resize(output.shapes.size());
   for (std::size_t i = 0; i < output.shapes.size(); ++i) {
@@ -88,7 +88,7 @@ void CudaBatchVoter::vote(std::span<const Eigen::Vector3d> points, const voting:
                           const voting::BatchOptions& options, voting::CloudVotes& votes) {
   const BatchRequest request = request_for(points, parameters, options);
   batch_->vote(points.empty() ? nullptr : points[0].data(), checked_size(points.size()), request, *output_);
-  hand_over(*output_, votes);
+  move_result(*output_, votes);
 }
 
 voting::CloudVotes vote_cloud_cuda(std::span<const Eigen::Vector3d> points, const voting::VotingParameters& parameters,

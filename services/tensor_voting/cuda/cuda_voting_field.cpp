@@ -14,7 +14,7 @@ namespace curbstone::tensor_voting::cuda {
 
 namespace {
 
-constexpr std::size_t kMostVoters = std::size_t{1} << 31;
+constexpr std::size_t kMaxVoters = std::size_t{1} << 31;
 
 std::string name_of(TileKey key) {
   return "tile (" + std::to_string(key.x) + ", " + std::to_string(key.y) + ")";
@@ -52,7 +52,7 @@ CudaVotingField::CudaVotingField(const voting::VotingParameters& parameters, std
 
 CudaVotingField::CudaVotingField(const voting::VotingParameters& parameters, std::size_t max_voters,
                                  const MakeVoters& make_voters)
-    : max_voters_(std::min(max_voters, kMostVoters)) {
+    : max_voters_(std::min(max_voters, kMaxVoters)) {
   (void)voting::VotingField(parameters);  // throws on invalid parameters
   voxel_ = static_cast<int>(std::lround(parameters.voxel / kPositionStep));
   grid_ = std::make_unique<CellGrid>(CellGrid::for_radius(parameters.radius / kPositionStep, 1, 1));

@@ -47,7 +47,7 @@ struct MarkRemoved {
   std::uint32_t* order;
 
   CURBSTONE_HD void operator()(std::uint32_t i) const {
-    marked[i] = tiles[voters[i].tile] != 0 ? CellGrid::kNobody : keys[i];
+    marked[i] = tiles[voters[i].tile] != 0 ? CellGrid::kNoCell : keys[i];
     order[i] = i;
   }
 };

@@ -95,8 +95,8 @@ CURBSTONE_INLINE Floats squared(const Offset& d) {
 /// Ball votes: sums of w and of w u u^T.
 struct BallSums {
   static constexpr int kComponents = 6;
-  static constexpr bool kCountsItself = false;
-  static constexpr bool kLooksAtVoters = false;
+  static constexpr bool kIncludesSelf = false;
+  static constexpr bool kReadsVoters = false;
   Floats sum[kComponents];
 
   CURBSTONE_INLINE void add(const Offset& d, Floats squared, Floats w, const VoterArrays&, const std::uint32_t*) {
@@ -118,8 +118,8 @@ struct BallSums {
 /// since R Q R = I - t' t'^T and R Q u = -v for Q = I - t t^T.
 struct OrientedSums {
   static constexpr int kComponents = 7;
-  static constexpr bool kCountsItself = false;
-  static constexpr bool kLooksAtVoters = true;
+  static constexpr bool kIncludesSelf = false;
+  static constexpr bool kReadsVoters = true;
   Floats sum[kComponents];
 
   CURBSTONE_INLINE void add(const Offset& d, Floats squared, Floats w, const VoterArrays& voters,
@@ -168,8 +168,8 @@ struct OrientedSums {
 /// Sum of the weights alone.
 struct Count {
   static constexpr int kComponents = 1;
-  static constexpr bool kCountsItself = true;
-  static constexpr bool kLooksAtVoters = false;
+  static constexpr bool kIncludesSelf = true;
+  static constexpr bool kReadsVoters = false;
   Floats sum[kComponents];
 
   CURBSTONE_INLINE void add(const Offset&, Floats, Floats w, const VoterArrays&, const std::uint32_t*) { sum[0] += w; }
@@ -186,7 +186,7 @@ CURBSTONE_INLINE void show(const VoterArrays& voters, const NearVoters& near, st
   for (std::size_t i = first; i < last; i += kTogether) d2[k++] = squared(offset_of(votee, near, i));
   k = 0;
   for (std::size_t i = first; i < last; i += kTogether, ++k) {
-    w[k] = keep(between(Sums::kCountsItself ? 0 : 2 * kTiny, d2[k], radius2), decay(d2[k]));
+    w[k] = keep(between(Sums::kIncludesSelf ? 0 : 2 * kTiny, d2[k], radius2), decay(d2[k]));
     if constexpr (weighted) {
       w[k] *= of_voters(near.index + i, [&](std::uint32_t voter) { return voters.weight[voter]; });
     }
@@ -222,10 +222,10 @@ void vote(const VoterArrays& voters, const VoterRun* runs, std::size_t num_runs,
   NearVoters near;
   for (const VoterRun* next = runs; next != runs + num_runs; ++next) {
     VoterRun run = *next;
-    near.collect<weighted || Sums::kLooksAtVoters>(voters, run, votees, reach);
+    near.collect<weighted || Sums::kReadsVoters>(voters, run, votees, reach);
     while (run.count > 0) {
       show_all<Sums, weighted>(voters, near, votees, decay, radius, votes);
-      near.collect<weighted || Sums::kLooksAtVoters>(voters, run, votees, reach);
+      near.collect<weighted || Sums::kReadsVoters>(voters, run, votees, reach);
     }
   }
   show_all<Sums, weighted>(voters, near, votees, decay, radius, votes);
@@ -248,7 +248,7 @@ void vote(const VoterArrays& voters, const VoterRun* runs, std::size_t num_runs,
   const Votees votees = votees_of(voters, first, count);
   const float radius = scale.radius * kStepsPerUnit;
   const float decay = scale.decay / (kStepsPerUnit * kStepsPerUnit);
-  if constexpr (Sums::kCountsItself) {
+  if constexpr (Sums::kIncludesSelf) {
     vote<Sums>(voters, runs, num_runs, votees, radius, NoDecay{}, votes);
   } else {
     if (decay * radius * radius <= Gauss<false>::kLimit) {

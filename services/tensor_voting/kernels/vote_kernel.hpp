@@ -38,10 +38,10 @@ inline constexpr int kMaxRecent = 15;
 }
 
 /// Sixteen voters side by side, and the votes that they received recently. The voters lie within 2^13 steps of the
-/// first one, and so must every point with which the block exchanges votes. An unused lane holds kNowhereNear, which is
+/// first one, and so must every point with which the block exchanges votes. An unused lane holds kFarAway, which is
 /// too far away to give or to receive a vote. All data that an exchange accesses lies together.
 struct alignas(64) VoterBlock {
-  static constexpr std::int16_t kNowhereNear = 0x7fff;
+  static constexpr std::int16_t kFarAway = 0x7fff;
   std::array<std::int16_t, kLanes> x;  ///< from the first voter
   std::array<std::int16_t, kLanes> y;
   std::array<std::int16_t, kLanes> z;
@@ -55,7 +55,7 @@ struct alignas(64) VoterBlock {
     const auto lane = static_cast<std::size_t>(num_voters++);
     if (lane == 0) {
       first = at;
-      x.fill(kNowhereNear);
+      x.fill(kFarAway);
       y.fill(0);
       z.fill(0);
     }

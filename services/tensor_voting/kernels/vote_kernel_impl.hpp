@@ -255,8 +255,8 @@ CURBSTONE_INLINE Mask load_scaled(const float* tensors, Matrices& m) {
   const auto element = [&](int i) { return load<Floats>(tensors + i * kLanes); };  // xx xy xz yy yz zz
   const Floats trace = element(0) + element(3) + element(5);
   const Floats total = size_of(element(1)) + size_of(element(2)) + size_of(element(4)) + trace;
-  constexpr float kMost = 1e37F;
-  const Mask valid = below(below(Floats{}, trace), total, all(kMost));
+  constexpr float kMaxTrace = 1e37F;
+  const Mask valid = below(below(Floats{}, trace), total, all(kMaxTrace));
   const Floats scale = 1.0F / choose(valid, trace, all(1));
   const auto scaled = [&](int i) { return choose(valid, element(i), Floats{}) * scale; };
   m = {{scaled(0), scaled(3), scaled(5)}, {scaled(4), scaled(2), scaled(1)}, {}};

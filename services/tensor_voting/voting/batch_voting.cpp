@@ -31,10 +31,10 @@ constexpr std::size_t kBlocksAtOnce = 32;
 
 /// The votes received by neighbours in the order of the cells: component after component, as in BlockVotes.
 struct Received {
-  static constexpr std::size_t kMost = kBlocksAtOnce * kernels::kBlock;
+  static constexpr std::size_t kMaxReceivers = kBlocksAtOnce * kernels::kBlock;
   std::uint32_t first = 0;
   std::uint32_t count = 0;
-  std::array<std::array<float, kMost + kernels::kBlock>, 7> sum;
+  std::array<std::array<float, kMaxReceivers + kernels::kBlock>, 7> sum;
 
   void append(const kernels::BlockVotes& votes, std::uint32_t num_votees) {
     for (std::size_t c = 0; c < sum.size(); ++c) {
@@ -104,7 +104,7 @@ class Assembly {
   int threads_;
 };
 
-constexpr std::size_t kTensorBlocks = (Received::kMost + kernels::kLanes - 1) / kernels::kLanes;
+constexpr std::size_t kTensorBlocks = (Received::kMaxReceivers + kernels::kLanes - 1) / kernels::kLanes;
 using Tensors = std::array<kernels::TensorBlock, kTensorBlocks>;
 
 std::size_t num_blocks(const Received& received) {
@@ -271,9 +271,9 @@ void BatchVoter::vote(std::span<const Eigen::Vector3d> points, const VotingParam
   }
   room.thin(votes.voxel);
   Assembly assembly = room.assemble(parameters, options, threads);
-  constexpr double kMostTests = 50'000;
+  constexpr double kMaxTests = 50'000;
   const double coarse = parameters.sigma / 8;
-  if (votes.voxel < coarse && assembly.crowded(kMostTests)) {
+  if (votes.voxel < coarse && assembly.crowded(kMaxTests)) {
     votes.voxel = coarse;
     room.thin(coarse);
     assembly = room.assemble(parameters, options, threads);

@@ -34,7 +34,7 @@ struct CloudVotes {
   std::vector<kernels::TensorF> tensors;                ///< of every point, in the order of the cloud
   std::vector<kernels::DecompositionF> decompositions;  ///< of these tensors
   std::size_t not_finite = 0;                           ///< points that were skipped
-  std::size_t too_far = 0;  ///< skipped: kMostUnits of StepCloud or more from the middle (131 km at sigma 0.3)
+  std::size_t too_far = 0;  ///< skipped: kMaxUnits of StepCloud or more from the middle (131 km at sigma 0.3)
   std::size_t num_voters = 0;
   /// m: the edge of the voxels in which one point votes for all. Larger than requested (sigma / 8) where points are so
   /// dense that voting would take too long.

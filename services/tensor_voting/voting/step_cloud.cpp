@@ -51,7 +51,7 @@ StepCloud to_steps(std::span<const Eigen::Vector3d> points, double sigma, StepCl
       continue;
     }
     const Eigen::Vector3d steps = (points[i] - cloud.origin) * steps_per_metre;
-    if (!(steps.cwiseAbs().maxCoeff() < kMostUnits * kStepsPerUnit)) {
+    if (!(steps.cwiseAbs().maxCoeff() < kMaxUnits * kStepsPerUnit)) {
       ++cloud.too_far;
       continue;
     }

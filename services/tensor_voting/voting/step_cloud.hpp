@@ -25,10 +25,10 @@ struct StepCloud {
   std::vector<WidePoint> points;                     ///< the usable points
   std::vector<std::uint32_t> source;                 ///< index of each in the cloud
   std::size_t not_finite = 0;                        ///< skipped
-  std::size_t too_far = 0;                           ///< skipped: kMostUnits from the origin or more
+  std::size_t too_far = 0;                           ///< skipped: kMaxUnits from the origin or more
 };
 inline constexpr std::int32_t kStepsPerUnit = 1 << 20;
-inline constexpr double kMostUnits = 1 << 19;  ///< 131 km at sigma 0.3
+inline constexpr double kMaxUnits = 1 << 19;  ///< 131 km at sigma 0.3
 /// Converts a cloud; reuses the memory of `room`.
 [[nodiscard]] StepCloud to_steps(std::span<const Eigen::Vector3d> points, double sigma, StepCloud room = {});
 

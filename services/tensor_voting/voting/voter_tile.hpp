@@ -28,9 +28,9 @@ struct VoterTile {
     std::int32_t next;
   };
   /// The position of a voter in the blocks.
-  struct Seat {
+  struct VoterSlot {
     std::uint32_t number;  ///< counted lane by lane, block by block
-    static Seat at(std::uint32_t block, std::size_t lane) {
+    static VoterSlot at(std::uint32_t block, std::size_t lane) {
       return {block * kernels::kLanes + static_cast<std::uint32_t>(lane)};
     }
     [[nodiscard]] std::uint32_t block() const { return number / kernels::kLanes; }
@@ -43,7 +43,7 @@ struct VoterTile {
 
   std::int32_t z_origin;
   std::vector<std::uint32_t> voter_of_point;
-  std::vector<Seat> seats;  ///< of each voter
+  std::vector<VoterSlot> slots;  ///< of each voter
   std::vector<std::uint32_t> point_of_voter;
   std::vector<std::int32_t> columns;  ///< first block of each, or -1
   std::vector<Link> links;            ///< of each block
@@ -52,11 +52,11 @@ struct VoterTile {
   std::vector<std::unique_ptr<Chunk>> chunks;                      ///< blocks do not move in memory
   VoxelTable voxels;
   std::int64_t num_votes = 0;
-  struct Sleeper {
+  struct SleepingVoter {
     kernels::StepPoint at;
     kernels::VoteSums sums;
   };
-  std::vector<Sleeper> sleepers;  ///< of each voter; empty unless asleep
+  std::vector<SleepingVoter> sleeping_voters;  ///< of each voter; empty unless asleep
   bool asleep = false;
 
   [[nodiscard]] Block& block(std::size_t i) const { return (*chunks[i / kBlocksPerChunk])[i % kBlocksPerChunk]; }
@@ -84,16 +84,17 @@ struct VoterTile {
   void sleep() {
     if (asleep) return;
     asleep = true;
-    sleepers.reserve(seats.size());
-    for (const Seat& seat : seats) {
-      const Block& from = block(seat.block());
-      sleepers.push_back({from.voters.at(seat.lane()), kernels::sums_of(from.voters, from.settled, seat.lane())});
+    sleeping_voters.reserve(slots.size());
+    for (const VoterSlot& slot : slots) {
+      const Block& from = block(slot.block());
+      sleeping_voters.push_back(
+          {from.voters.at(slot.lane()), kernels::sums_of(from.voters, from.settled, slot.lane())});
     }
     give_back(chunks);
     give_back(voters);
     voxels = VoxelTable();
     voter_of_point.shrink_to_fit();
-    seats.shrink_to_fit();
+    slots.shrink_to_fit();
     point_of_voter.shrink_to_fit();
     links.shrink_to_fit();
     changed.shrink_to_fit();
@@ -106,26 +107,27 @@ struct VoterTile {
     chunks.resize((links.size() + kBlocksPerChunk - 1) / kBlocksPerChunk);
     for (std::unique_ptr<Chunk>& chunk : chunks) chunk = std::make_unique<Chunk>();
     voters.resize(links.size());
-    for (std::uint32_t i = 0; i < sleepers.size(); ++i) {  // in each block, too, the first voter has the first lane
-      const Sleeper& from = sleepers[i];
-      Block& to = block(seats[i].block());
+    // In each block, too, the first voter has the first lane.
+    for (std::uint32_t i = 0; i < sleeping_voters.size(); ++i) {
+      const SleepingVoter& from = sleeping_voters[i];
+      Block& to = block(slots[i].block());
       const std::size_t lane = to.voters.push_back(from.at);
       kernels::set_sums(from.sums, to.voters, to.settled, lane);
-      voters[seats[i].block()][lane] = i;
+      voters[slots[i].block()][lane] = i;
       voxels.find_or_insert(voxel_of(from.at));
     }
-    give_back(sleepers);
+    give_back(sleeping_voters);
   }
 
   /// The votes that each voter has received.
   [[nodiscard]] std::vector<kernels::VoteSums> sums() const {
     std::vector<kernels::VoteSums> result;
-    result.reserve(seats.size());
-    for (const Sleeper& sleeper : sleepers) result.push_back(sleeper.sums);
+    result.reserve(slots.size());
+    for (const SleepingVoter& sleeping : sleeping_voters) result.push_back(sleeping.sums);
     if (asleep) return result;
-    for (const Seat& seat : seats) {
-      const Block& at = block(seat.block());
-      result.push_back(kernels::sums_of(at.voters, at.settled, seat.lane()));
+    for (const VoterSlot& slot : slots) {
+      const Block& at = block(slot.block());
+      result.push_back(kernels::sums_of(at.voters, at.settled, slot.lane()));
     }
     return result;
   }

@@ -105,7 +105,7 @@ std::int64_t VotingField::exchange(const kernels::StepPoint& at, float sign, ker
   return pairs;
 }
 
-void VotingField::book(Neighbourhood& around, std::int64_t sign) {
+void VotingField::apply_votes(Neighbourhood& around, std::int64_t sign) {
   for (std::size_t i = 0; i < near_.size(); ++i) {
     if (near_[i].pairs == 0) continue;
     VoterTile& tile = *around.tiles[near_places_[i].tile];
@@ -122,14 +122,14 @@ std::vector<VotingField::NewVoter> VotingField::admit(TileKey key, VoterTile& ti
   make_room(points.size(), tile.voter_of_point);
   for (const TilePoint& point : points) {
     const FieldPlace place(key, tile.z_origin, point);
-    const auto next = static_cast<std::uint32_t>(tile.seats.size());
+    const auto next = static_cast<std::uint32_t>(tile.slots.size());
     const std::uint32_t voter = grid_.thins() ? tile.voxels.find_or_insert(grid_.voxel_of(place)) : next;
     tile.voter_of_point.push_back(voter);
     if (voter != next) continue;
     make_room(1, tile.point_of_voter);
     tile.point_of_voter.push_back(static_cast<std::uint32_t>(tile.voter_of_point.size() - 1));
-    make_room(1, tile.seats);
-    tile.seats.emplace_back();
+    make_room(1, tile.slots);
+    tile.slots.emplace_back();
     admitted.push_back({voter, grid_.cell_of(place), place});
   }
   return admitted;
@@ -160,13 +160,13 @@ void VotingField::add(TileKey key, std::int32_t z_origin, std::span<const TilePo
       tile->changed[index] = change_;
       tile->voters[index][lane] = voter->index;
       kernels::set_sums(sums, block.voters, block.settled, lane);
-      tile->seats[voter->index] = VoterTile::Seat::at(index, lane);
+      tile->slots[voter->index] = VoterTile::VoterSlot::at(index, lane);
       if (lane == 0) {
         near_.push_back({&block.voters, &block.settled, 0});
         near_places_.push_back({Neighbourhood::kCentre, index});
       }
     }
-    book(around, 1);
+    apply_votes(around, 1);
   }
   note_changes(around);
 }
@@ -184,7 +184,7 @@ void VotingField::remove(TileKey key) {
       kernels::VoteSums unused;
       exchange(block.at(lane), -1.0F, unused);
     }
-    book(around, -1);
+    apply_votes(around, -1);
   }
   around.changed[Neighbourhood::kCentre] = true;
   note_changes(around);
@@ -216,7 +216,7 @@ std::size_t VotingField::num_points(TileKey key) const {
 
 std::size_t VotingField::num_voters(TileKey key) const {
   const VoterTile* const tile = find(key);
-  return tile == nullptr ? 0 : tile->seats.size();
+  return tile == nullptr ? 0 : tile->slots.size();
 }
 
 std::int64_t VotingField::num_votes(TileKey key) const {

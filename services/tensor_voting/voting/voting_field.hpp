@@ -9,8 +9,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "common/tiles/lru_order.hpp"
 #include "common/tiles/tile.hpp"
-#include "common/tiles/use_order.hpp"
 #include "services/tensor_voting/kernels/tensor.hpp"
 #include "services/tensor_voting/kernels/vote_kernel.hpp"
 #include "services/tensor_voting/voting/field_grid.hpp"
@@ -102,7 +102,7 @@ class VotingField {
   /// Exchanges votes between the voter and all voters in near_ within its reach. Returns the number of votes.
   std::int64_t exchange(const kernels::StepPoint& at, float sign, kernels::VoteSums& sums);
   /// Records the votes given to the blocks in near_ since find_near().
-  void book(Neighbourhood& around, std::int64_t sign);
+  void apply_votes(Neighbourhood& around, std::int64_t sign);
   void note_changes(const Neighbourhood& around);
 
   /// The tile, asleep or not; nullptr if it is not in the field.
@@ -113,7 +113,7 @@ class VotingField {
   kernels::VoteKernel kernel_;
   kernels::Decay decay_;
   std::unordered_map<TileKey, std::unique_ptr<VoterTile>, TileKeyHash> tiles_;
-  mutable UseOrder uses_;  // of the tiles that are awake, by change_ / kUsesAtOnce
+  mutable LruOrder uses_;  // of the tiles that are awake, by change_ / kUsesAtOnce
   std::set<TileKey> changed_;
   std::int64_t num_pairs_ = 0;
   std::int64_t change_ = 0;

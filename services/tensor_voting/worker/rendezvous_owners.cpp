@@ -26,7 +26,7 @@ int floor_div(int a, int b) {
 RendezvousOwners::RendezvousOwners(std::string self, std::int64_t timeout)
     : self_(std::move(self)), timeout_(timeout) {}
 
-void RendezvousOwners::heard(const std::string& name, std::int64_t now) {
+void RendezvousOwners::on_heartbeat(const std::string& name, std::int64_t now) {
   if (name == self_ || (last_heard_.size() >= kMaxWorkers && !last_heard_.contains(name))) return;
   last_heard_[name] = now;
 }

@@ -20,7 +20,7 @@ class RendezvousOwners {
   RendezvousOwners(std::string self, std::int64_t timeout);
 
   /// A heartbeat of worker `name` at `now`. Own heartbeats are ignored. Owners do not change before update().
-  void heard(const std::string& name, std::int64_t now);
+  void on_heartbeat(const std::string& name, std::int64_t now);
   /// Adds new workers and drops those that have left. Returns true if owners have changed.
   bool update(std::int64_t now);
   [[nodiscard]] bool owns(TileKey key) const;

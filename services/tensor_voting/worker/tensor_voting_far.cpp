@@ -37,7 +37,7 @@ bool TensorVotingNode::has_neighbours(TileKey key) const {
 
 /// Whether a far tile may be released: neither it nor a neighbour is still to be published, and no more points of it
 /// are expected.
-bool TensorVotingNode::may_let_go(TileKey key) const {
+bool TensorVotingNode::may_release(TileKey key) const {
   const auto heard = far_heard_.find(key);
   if (heard != far_heard_.end() && (now_ - heard->second < kFarPatience || follower_.is_behind(key))) return false;
   bool waits = false;
@@ -64,7 +64,7 @@ void TensorVotingNode::follow_vehicle() {
       continue;
     }
     review(key);
-    if (may_let_go(key)) far.push_back(key);
+    if (may_release(key)) far.push_back(key);
   }
   for (const TileKey key : far) {
     map_.erase(key);

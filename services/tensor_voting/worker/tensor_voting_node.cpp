@@ -90,12 +90,12 @@ void TensorVotingNode::on(const map_pose_t& message) {
   if (!follow_epoch(message.epoch, EpochFollower::Source::kMapper)) return;
   x_ = p[0];
   y_ = p[1];
-  pause_.hear(message.utime, (message.flags & map_pose_t::LOST) != 0);
+  lost_timer_.on_pose(message.utime, (message.flags & map_pose_t::LOST) != 0);
 }
 
 void TensorVotingNode::on(const tile_index_t& message) {
   if (message.channel == kVotedPoints && message.owner != worker_) {
-    workers_.heard(message.owner, now_);
+    workers_.on_heartbeat(message.owner, now_);
     if (message.epoch != epoch_) return;
     // A tile published by another worker need not be published again when this worker becomes its owner.
     for (std::size_t i = 0; i < message.version.size(); ++i) {
@@ -126,7 +126,7 @@ void TensorVotingNode::on(const tile_request_t& message) {
 
 /// Whether a message that names `epoch` is of the present epoch, which may begin with this message.
 bool TensorVotingNode::follow_epoch(std::int32_t epoch, EpochFollower::Source source) {
-  switch (epochs_.hear(epoch, source, now_)) {
+  switch (epochs_.observe(epoch, source, now_)) {
     case EpochFollower::Verdict::kEntered:
       start_epoch(epoch);
       return true;
@@ -149,7 +149,7 @@ void TensorVotingNode::start_epoch(std::int32_t epoch) {
   pages_.clear();
   bases_.clear();
   far_heard_.clear();
-  pause_.clear();
+  lost_timer_.clear();
 }
 
 bool TensorVotingNode::owns(TileKey key) const {
@@ -279,7 +279,7 @@ void TensorVotingNode::tick(std::int64_t now) {
   if (others || (joins && workers_.count() > 1)) reassign();
   map_.move(kMovesPerTick);
   collect_changes();
-  if (pause_.take() && schedule_.num_pending() <= kAtOnce) publish_all();
+  if (lost_timer_.take() && schedule_.num_pending() <= kAtOnce) publish_all();
   publish_paced();
   if (now - last_request_ >= kRequestInterval || now < last_request_) {
     last_request_ = now;

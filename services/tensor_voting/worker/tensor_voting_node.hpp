@@ -14,7 +14,7 @@
 #include "common/bus/node.hpp"
 #include "common/shell/latency.hpp"
 #include "common/tile_sync/epoch_follower.hpp"
-#include "common/tile_sync/lost_pause.hpp"
+#include "common/tile_sync/lost_timer.hpp"
 #include "common/tile_sync/tile_sync.hpp"
 #include "services/tensor_voting/worker/publish_schedule.hpp"
 #include "services/tensor_voting/worker/rendezvous_owners.hpp"
@@ -70,7 +70,7 @@ class TensorVotingNode final : public Node {
   [[nodiscard]] bool is_unpublished(TileKey key) const;
   /// A far tile has all its voters: no published neighbour of it was released.
   [[nodiscard]] bool has_neighbours(TileKey key) const;
-  [[nodiscard]] bool may_let_go(TileKey key) const;
+  [[nodiscard]] bool may_release(TileKey key) const;
 
   void advance(std::int64_t now);
   void review(TileKey key);
@@ -99,7 +99,7 @@ class TensorVotingNode final : public Node {
   std::int64_t chain_ = 0;
 
   EpochFollower epochs_;
-  LostPause pause_{LostPause::kVoters};
+  LostTimer lost_timer_{LostTimer::kVoters};
   std::int32_t epoch_ = 0;  // the present epoch, once there is one
   double x_ = 0;            // position of the vehicle, m in map
   double y_ = 0;

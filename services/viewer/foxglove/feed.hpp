@@ -9,7 +9,7 @@
 
 #include "common/config/vehicle.hpp"
 #include "services/viewer/foxglove/near_points.hpp"
-#include "services/viewer/foxglove/status_book.hpp"
+#include "services/viewer/foxglove/status_history.hpp"
 #include "services/viewer/foxglove/topics.hpp"
 #include "services/viewer/frames/page_feed.hpp"
 
@@ -20,7 +20,7 @@ struct World {
   frames::World map;
   const std::optional<map_pose_t>& pose;  ///< must be valid (finite)
   const VehicleConfig& vehicle;
-  const StatusBook& status;
+  const StatusHistory& status;
   const NearPoints& points;
 };
 

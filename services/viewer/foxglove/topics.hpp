@@ -6,7 +6,7 @@
 
 namespace curbstone::viewer::foxglove {
 
-/// The channels. The status of a process has a channel from kFirstStatus on, in the order of StatusBook::services().
+/// The channels. The status of a process has a channel from kFirstStatus on, in the order of StatusHistory::services().
 enum Topic : std::uint32_t {
   kTransforms = 1,
   kPose,
@@ -33,7 +33,7 @@ struct Channel {
 
 /// All channels but those of the processes' status.
 [[nodiscard]] const std::vector<Channel>& fixed_channels();
-/// `index`: in StatusBook::services().
+/// `index`: in StatusHistory::services().
 [[nodiscard]] Channel status_channel(std::size_t index, const std::string& topic);
 
 }  // namespace curbstone::viewer::foxglove

@@ -42,7 +42,7 @@ class PageFeed {
   explicit PageFeed(std::optional<Resume> resume) : resume_(resume) {}
 
   /// Makes the next frame begin with BEGIN, which discards everything the page has.
-  void begin_again() {
+  void restart() {
     epoch_.reset();
     resume_.reset();
     newest_utime_ = 0;

@@ -33,19 +33,19 @@ export class Connection {
   /// Acknowledges the received frame as drawn: the server may send more.
   drawn(): void {
     if (this.undrawn === null) return;
-    this.say({ ack: this.undrawn });
+    this.send({ ack: this.undrawn });
     this.undrawn = null;
     this.lastFrame = performance.now();  // not earlier: no frame could arrive while this one was drawn
   }
 
   wantPoints(wanted: boolean): void {
     this.points = wanted;
-    this.say({ points: wanted });
+    this.send({ points: wanted });
   }
 
   /// Controls the playback of a log.
   order(play: { pause?: boolean; speed?: number; position?: number }): void {
-    this.say({ play });
+    this.send({ play });
   }
 
   private open(): void {
@@ -60,8 +60,8 @@ export class Connection {
       this.refusal = "";
       this.undrawn = null;
       this.lastFrame = performance.now();
-      this.say({ resume: run ? { run, epoch, number } : null });
-      this.say({ points: this.points });
+      this.send({ resume: run ? { run, epoch, number } : null });
+      this.send({ points: this.points });
     };
     socket.onmessage = event => {
       if (socket !== this.socket) return;
@@ -92,7 +92,7 @@ export class Connection {
     if (this.isOpen && !document.hidden && this.undrawn === null && this.age() > kSilence) this.socket!.close();
   }
 
-  private say(message: object): void {
+  private send(message: object): void {
     if (this.isOpen) this.socket!.send(JSON.stringify(message));
   }
 }

@@ -44,7 +44,7 @@ export function closeButton(close: () => void): HTMLElement {
 }
 
 /// Sets the text only if it differs: a screen reader reads each change aloud.
-export function say(element: HTMLElement, text: string): void {
+export function setText(element: HTMLElement, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
 

@@ -1,5 +1,5 @@
 // The page: the connection updates the world, and the camera shows it.
-import { Arrival } from "./arrival";
+import { InitialLoad } from "./initial_load";
 import { showTurn } from "./cards/compass";
 import { showServices, Verdict } from "./cards/health";
 import { Inspector } from "./cards/inspector";
@@ -9,11 +9,11 @@ import { showScale } from "./cards/scale_bar";
 import { showSource } from "./cards/source";
 import { showFailure, showStatus } from "./cards/status";
 import { clock, Timeline } from "./cards/timeline";
-import { fit, uncover } from "./cards/uncover";
+import { fit, uncover } from "./cards/free_area";
 import { Connection } from "./connection";
 import { Camera } from "./drawing/camera";
 import { Ground } from "./drawing/ground";
-import { Haste } from "./drawing/haste";
+import { DraftMode } from "./drawing/draft_mode";
 import { Marks } from "./drawing/marks";
 import { Motion } from "./drawing/motion";
 import { Pace } from "./drawing/pace";
@@ -23,7 +23,7 @@ import { saveCanvases } from "./drawing/save_picture";
 import { Sheet } from "./drawing/sheet";
 import { TiltedMarks } from "./drawing/tilted_marks";
 import { Tilting } from "./drawing/tilting";
-import { byId, fixed, seconds } from "./format";
+import { byId, fixed, seconds, setText } from "./format";
 import { listen } from "./gestures";
 import { listenToKeys } from "./keys";
 import { Rewind } from "./past/rewind";
@@ -32,11 +32,11 @@ import { judge, judgePast, kElsewhere, kNoLink } from "./staleness";
 import { heightRange, isAnyInView, mapBounds, newestTime, placeUnder } from "./survey";
 import { Pose, World } from "./world";
 
-const world = new World(), arrival = new Arrival(world);
+const world = new World(), initialLoad = new InitialLoad(world);
 const camera = new Camera();
 const settings = new Settings();
 const map = byId("map"), groundCanvas = byId<HTMLCanvasElement>("ground"), marksCanvas = byId<HTMLCanvasElement>("marks");
-const pace = new Pace(), haste = new Haste(camera, [groundCanvas, marksCanvas], redraw);
+const pace = new Pace(), draftMode = new DraftMode(camera, [groundCanvas, marksCanvas], redraw);
 const motion = new Motion(), localized = new Motion(), tilting = new Tilting(camera);
 let ground: Ground;
 let marks: Marks;
@@ -62,19 +62,19 @@ function redraw(): void {
 
 function draw(now: number): void {
   wanted = false;
-  const hasty = haste.begin(now);
+  const draft = draftMode.begin(now);
   const pose = motion.poseAt(now);
   if (settings.follow && pose) {
     [camera.x, camera.y] = [pose.x, pose.y];
     if (settings.headingUp) camera.turn = Math.PI / 2 - pose.yaw;
   }
-  haste.follow();
+  draftMode.follow();
   const look = settings.look, { layers } = settings;
   const isTilting = tilting.step(now, world, settings.follow ? pose : null);
   if (world.curbsChanged) ground.curbsChanged();
   if (world.markingsChanged) ground.markingsChanged();
   ground.draw(camera, { ...layers, theme: look, mode: settings.mode, byIntensity: settings.points === "intensity",
-    range, now: newestTime(world), grey, hasty, paper: kBackground[look] }, pose);
+    range, now: newestTime(world), grey, draft, paper: kBackground[look] }, pose);
   const poses: [Pose, string][] = pose ? [[pose, kInk[look].vehicle]] : [], other = localized.poseAt(now);
   if (other && layers.localized) poses.unshift([other, kInk[look].localized]);
   marks.refresh(camera);
@@ -82,7 +82,7 @@ function draw(now: number): void {
   showScale(camera.scale);
   showTurn(camera);
   connection.drawn();
-  arrival.drew(now);
+  initialLoad.drew(now);
   if (pace.allows(now, motion.isMoving(now) || isTilting) && !document.hidden) redraw();
 }
 
@@ -119,8 +119,8 @@ function onNews(): void {
   if (state?.localized?.here) localized.add(state.localized, performance.now());
   else localized.clear();
   showTimeline();
-  const draws = arrival.drawsEachFrame(performance.now());
-  if (!arrival.shown && draws && world.tiles.size > 0) begin();
+  const draws = initialLoad.drawsEachFrame(performance.now());
+  if (!initialLoad.shown && draws && world.tiles.size > 0) begin();
   const wasOpen = !byId("cell").hidden;
   inspector.show(settings.look, settings.mode);
   if (wasOpen && byId("cell").hidden) inspector.pick(null);  // the map of the cell is gone
@@ -138,7 +138,7 @@ function leaveMap(): void {
 
 /// Called with the first tiles: looks at them, unless the address has a view.
 function begin(): void {
-  arrival.shown = true;
+  initialLoad.shown = true;
   if (showSource(world.state)) resize();
   if (settings.hasView && !settings.follow) return;
   if (world.state?.source === "map" && !settings.hasView) showWhole();
@@ -157,9 +157,9 @@ function look(): void {
   const now = judge(rewind.live.state, rewind.live.services, connection.link());
   isWell = now.mood !== "bad";
   const judged = isPast ? judgePast(judge(state, world.services, kNoLink), clock(rewind.behind / 1000)) : now;
-  if (!judged.sentence && world.tiles.size > 0 && arrival.shown && !isAnyInView(world, camera)) judged.sentence = kElsewhere;
+  if (!judged.sentence && world.tiles.size > 0 && initialLoad.shown && !isAnyInView(world, camera)) judged.sentence = kElsewhere;
   showTimeline();
-  if (arrival.asksForPart()) redraw();  // the part received so far
+  if (initialLoad.asksForPart()) redraw();  // the part received so far
   settings.write(camera);
   showStatus(judged, now);
   if (grey !== judged.grey) {
@@ -277,7 +277,7 @@ function onMeasured(): void {
 }
 
 function savePicture(): void {
-  haste.end();
+  draftMode.end();
   draw(performance.now());  // the ground can only be read in the task that drew it
   saveCanvases([groundCanvas, marksCanvas], css(kBackground[settings.look]));
 }
@@ -316,7 +316,7 @@ function wire(): void {
   addEventListener("resize", resize);       // the window moved to a screen of another pixel density
   addEventListener("hashchange", () => {    // a link was pasted, or the browser's Back was used
     settings.read(camera);
-    arrival.shown ||= settings.hasView;
+    initialLoad.shown ||= settings.hasView;
     settingsChanged();
     resize();
   });
@@ -326,7 +326,7 @@ function wire(): void {
 
 // For the browser's console and for tests/services/viewer/page.
 rewind = new Rewind(world, onPast);
-Object.assign(window, { curbstone: { world, camera, settings, rewind, arrival, redraw, get ruler() { return ruler; }, get ground() { return ground; } } });
+Object.assign(window, { curbstone: { world, camera, settings, rewind, initialLoad, redraw, get ruler() { return ruler; }, get ground() { return ground; } } });
 
 settings.read(camera);
 try {

@@ -31,10 +31,10 @@ using Pages = std::map<PageId, std::shared_ptr<Page>>;
 /// The WebSocket connection of a page.
 class Page final : public std::enable_shared_from_this<Page> {
  public:
-  Page(tcp::socket socket, std::unique_ptr<Place> place, PageId id, Shared& shared, Pages& pages)
+  Page(tcp::socket socket, std::unique_ptr<ConnectionSlot> slot, PageId id, Shared& shared, Pages& pages)
       : stream_(std::move(socket)),
         write_timer_(stream_.get_executor()),
-        place_(std::move(place)),
+        slot_(std::move(slot)),
         id_(id),
         shared_(shared),
         pages_(pages) {}
@@ -59,7 +59,7 @@ class Page final : public std::enable_shared_from_this<Page> {
       if (error) return self->leave();
       self->is_open_ = true;
       self->shared_.count("pages.came");
-      self->shared_.tell({self->id_, Audience::Event::Kind::kCame, "", wall_clock()});
+      self->shared_.post_event({self->id_, Connections::Event::Kind::kConnected, "", wall_clock()});
       self->read();
     });
   }
@@ -99,19 +99,21 @@ class Page final : public std::enable_shared_from_this<Page> {
         return self->leave();
       }
       if (!self->stream_.is_message_done()) return self->read();
-      self->hear();
+      self->receive();
     });
   }
 
-  void hear() {
+  void receive() {
     const std::int64_t now = steady_clock();
     if (now - second_ >= 1'000'000) {
       second_ = now;
-      said_ = 0;
+      messages_this_second_ = 0;
     }
-    Audience::Event event{id_, Audience::Event::Kind::kSaid, beast::buffers_to_string(buffer_.data()), wall_clock()};
+    Connections::Event event{id_, Connections::Event::Kind::kMessage, beast::buffers_to_string(buffer_.data()),
+                             wall_clock()};
     buffer_.consume(buffer_.size());
-    if (++said_ > shared_.settings.limits.messages_per_second || !shared_.tell(std::move(event))) {
+    if (++messages_this_second_ > shared_.settings.limits.messages_per_second ||
+        !shared_.post_event(std::move(event))) {
       shared_.count("refused.messages");
       return leave();
     }
@@ -141,7 +143,7 @@ class Page final : public std::enable_shared_from_this<Page> {
     error_code ignored;
     beast::get_lowest_layer(stream_).socket().close(ignored);
     write_timer_.cancel();
-    if (is_open_) shared_.tell({id_, Audience::Event::Kind::kLeft, "", wall_clock()});
+    if (is_open_) shared_.post_event({id_, Connections::Event::Kind::kDisconnected, "", wall_clock()});
     is_open_ = false;
     shared_.unqueue(id_, std::numeric_limits<std::size_t>::max());
     pages_.erase(id_);
@@ -153,7 +155,7 @@ class Page final : public std::enable_shared_from_this<Page> {
   };
   websocket::stream<beast::tcp_stream> stream_;
   asio::steady_timer write_timer_;
-  std::unique_ptr<Place> place_;
+  std::unique_ptr<ConnectionSlot> slot_;
   const PageId id_;
   Shared& shared_;
   Pages& pages_;
@@ -161,7 +163,7 @@ class Page final : public std::enable_shared_from_this<Page> {
   std::deque<Outgoing> queue_;
   bool is_open_ = false;
   std::int64_t second_ = 0;  // us, steady clock: start of the present one-second window
-  std::size_t said_ = 0;
+  std::size_t messages_this_second_ = 0;
 };
 
 }  // namespace curbstone::viewer::web

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/bus/counters.hpp"
-#include "services/viewer/web/audience.hpp"
+#include "services/viewer/web/connections.hpp"
 #include "services/viewer/web/host_rules.hpp"
 #include "services/viewer/web/web_server.hpp"
 
@@ -25,9 +25,9 @@ struct Shared {
     const std::scoped_lock lock(mutex);
     counters.add(name, amount);
   }
-  bool tell(Audience::Event event) {
+  bool post_event(Connections::Event event) {
     const std::scoped_lock lock(mutex);
-    if (events.size() >= kMaxEvents && event.kind == Audience::Event::Kind::kSaid) return false;
+    if (events.size() >= kMaxEvents && event.kind == Connections::Event::Kind::kMessage) return false;
     events.push_back(std::move(event));
     return true;
   }
@@ -51,16 +51,16 @@ struct Shared {
   std::mutex mutex;
   Counters counters;
   std::map<PageId, std::size_t> queued;  // bytes
-  std::vector<Audience::Event> events;
+  std::vector<Connections::Event> events;
 };
 
 /// Counts a connection while it exists.
-class Place {
+class ConnectionSlot {
  public:
-  explicit Place(Shared& shared) : shared_(shared) { ++shared_.connections; }
-  ~Place() { --shared_.connections; }
-  Place(const Place&) = delete;
-  Place& operator=(const Place&) = delete;
+  explicit ConnectionSlot(Shared& shared) : shared_(shared) { ++shared_.connections; }
+  ~ConnectionSlot() { --shared_.connections; }
+  ConnectionSlot(const ConnectionSlot&) = delete;
+  ConnectionSlot& operator=(const ConnectionSlot&) = delete;
 
  private:
   Shared& shared_;

@@ -31,7 +31,11 @@ constexpr std::string_view kPolicy =
 class Visit final : public std::enable_shared_from_this<Visit> {
  public:
   Visit(tcp::socket socket, Shared& shared, Pages& pages, PageId id)
-      : stream_(std::move(socket)), place_(std::make_unique<Place>(shared)), shared_(shared), pages_(pages), id_(id) {}
+      : stream_(std::move(socket)),
+        slot_(std::make_unique<ConnectionSlot>(shared)),
+        shared_(shared),
+        pages_(pages),
+        id_(id) {}
 
   void read() {
     parser_.emplace();
@@ -107,7 +111,7 @@ class Visit final : public std::enable_shared_from_this<Visit> {
       return refuse(http::status::service_unavailable, "Too many pages watch.\n");
     }
     stream_.expires_never();
-    const auto page = std::make_shared<Page>(stream_.release_socket(), std::move(place_), id_, shared_, pages_);
+    const auto page = std::make_shared<Page>(stream_.release_socket(), std::move(slot_), id_, shared_, pages_);
     pages_.emplace(id_, page);
     page->start(request, subprotocol);
   }
@@ -166,7 +170,7 @@ class Visit final : public std::enable_shared_from_this<Visit> {
   }
 
   beast::tcp_stream stream_;
-  std::unique_ptr<Place> place_;
+  std::unique_ptr<ConnectionSlot> slot_;
   Shared& shared_;
   Pages& pages_;
   const PageId id_;
@@ -269,7 +273,7 @@ std::uint16_t WebServer::port() const {
   return impl_->port();
 }
 
-std::vector<Audience::Event> WebServer::take_events() {
+std::vector<Connections::Event> WebServer::take_events() {
   return impl_->take_events();
 }
 
@@ -277,7 +281,7 @@ void WebServer::send(PageId page, Frame frame) {
   impl_->send(page, std::move(frame), false);
 }
 
-void WebServer::say(PageId page, std::string text) {
+void WebServer::send_text(PageId page, std::string text) {
   impl_->send(page, std::make_shared<const std::vector<std::uint8_t>>(text.begin(), text.end()), true);
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "services/viewer/web/audience.hpp"
+#include "services/viewer/web/connections.hpp"
 
 namespace curbstone::viewer::web {
 
@@ -46,7 +46,7 @@ struct WebSettings {
 /// Counters: pages.came, pages.bytes (before compression); refused.host, .origin, .request (no such file, method or
 /// head), .pages, .connections (too many), .messages (too many or too large); dropped.slow_page (a frame or a response
 /// was not sent in time), dropped.frames.
-class WebServer final : public Audience {
+class WebServer final : public Connections {
  public:
   /// Listens once constructed. Throws std::runtime_error with a one-line message.
   explicit WebServer(const WebSettings& settings);
@@ -55,7 +55,7 @@ class WebServer final : public Audience {
   [[nodiscard]] std::uint16_t port() const;
   [[nodiscard]] std::vector<Event> take_events() override;
   void send(PageId page, Frame frame) override;
-  void say(PageId page, std::string text) override;
+  void send_text(PageId page, std::string text) override;
   [[nodiscard]] std::size_t queued(PageId page) const override;
   [[nodiscard]] Counters counters() const override;
 

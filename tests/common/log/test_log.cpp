@@ -125,12 +125,12 @@ TEST(MessageOrder, AVehicleWhoseClockWasSetBackIsFollowed) {
 TEST(MessageOrder, WhereTheTimesStandStillTheWaitIsBounded) {
   MessageOrder order(100);
   std::size_t waiting = 0;
-  for (std::size_t i = 0; i < MessageOrder::kMostWaiting + 100; ++i) {
+  for (std::size_t i = 0; i < MessageOrder::kMaxWaiting + 100; ++i) {
     order.push({7, "IMU", encoded(static_cast<std::int64_t>(i))});
     ++waiting;
     while (order.pop(false)) --waiting;
   }
-  EXPECT_EQ(waiting, MessageOrder::kMostWaiting);
+  EXPECT_EQ(waiting, MessageOrder::kMaxWaiting);
 }
 
 TEST(MessageOrder, ShortMessagesHaveTimeZero) {

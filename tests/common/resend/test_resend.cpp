@@ -103,7 +103,7 @@ TEST_F(ResendTest, NoMoreListenersAreAnsweredThanTheBound) {
   for (int i = 0; i < 100; ++i) keeper_.request(wanted(0, 90, std::to_string(i)));
   for (int i = 0; i < 1000; ++i) keeper_.tick();
   bus_.dispatch();
-  EXPECT_EQ(came_.size(), MessageKeeper::kMostAsking * 89);
+  EXPECT_EQ(came_.size(), MessageKeeper::kMaxListeners * 89);
 }
 
 TEST_F(ResendTest, OnlyTheNewestSecondsAndBytesAreKept) {

@@ -87,8 +87,8 @@ TEST_F(StatusOfAService, TellsOfAnotherProcessOfItsNameWhileThereIsOne) {
   service_status_t other = heard_;
   const auto hear_other = [&](std::int64_t ago) {
     other.utime = wall_ - ago;
-    reporter_.hear(other);
-    reporter_.hear(heard_);
+    reporter_.on_status(other);
+    reporter_.on_status(heard_);
     pass(1'000'000);
   };
   for (int i = 0; i < 3; ++i) hear_other(0);

@@ -72,7 +72,7 @@ TEST_F(DriveFollowerTest, StampsOfAnyValueDoNoHarm) {
   for (const std::int64_t utime : {std::int64_t{1}, std::numeric_limits<std::int64_t>::max()})
     EXPECT_TRUE(follower_.add(utime));
   for (int i = 0; i < 2000; ++i) follower_.add(kPageStart + i);
-  follower_.announced(index_of(static_cast<std::int32_t>(kMostPosesOfPage), kPageStart));
+  follower_.announced(index_of(static_cast<std::int32_t>(kMaxPosesPerPage), kPageStart));
   EXPECT_FALSE(follower_.fault()) << "no page has more";
 }
 

@@ -13,8 +13,8 @@ constexpr std::int64_t kNow = std::int64_t{kEpoch} * 1'000'000 + 30'000'000;
 
 class EpochFollowerTest : public testing::Test {
  protected:
-  Verdict mapper(std::int32_t epoch) { return follower_.hear(epoch, Source::kMapper, kNow); }
-  Verdict other(std::int32_t epoch) { return follower_.hear(epoch, Source::kOther, kNow); }
+  Verdict mapper(std::int32_t epoch) { return follower_.observe(epoch, Source::kMapper, kNow); }
+  Verdict other(std::int32_t epoch) { return follower_.observe(epoch, Source::kOther, kNow); }
   EpochFollower follower_;
 };
 
@@ -78,8 +78,8 @@ TEST_F(EpochFollowerTest, FollowsAMapperWhoseClockWasSetBackAndSaysSo) {
 TEST_F(EpochFollowerTest, FollowsAMapperThatGoesOnWithAMapOfLaterThanTheClock) {
   const std::int64_t boot = 1'000'000;  // a computer without a battery begins in 1970
   for (int i = 0; i < EpochFollower::kFollowAfter - 1; ++i)
-    EXPECT_EQ(follower_.hear(kEpoch, Source::kMapper, boot), Verdict::kCandidate);
-  EXPECT_EQ(follower_.hear(kEpoch, Source::kMapper, boot), Verdict::kEntered);
+    EXPECT_EQ(follower_.observe(kEpoch, Source::kMapper, boot), Verdict::kCandidate);
+  EXPECT_EQ(follower_.observe(kEpoch, Source::kMapper, boot), Verdict::kEntered);
 }
 
 TEST_F(EpochFollowerTest, NamesFiftyMessagesInARowOfAnotherEpoch) {

@@ -41,10 +41,10 @@ TEST_F(SettlingStartTest, WithoutABeginningNothingWaits) {
 
 TEST_F(SettlingStartTest, HoldsNoMoreThanItsBoundAndGivesUpAllWhenAsked) {
   start_.begin(0);
-  for (std::size_t i = 0; i < start_.kMost - 1; ++i) pass(static_cast<std::int64_t>(i), 0);
+  for (std::size_t i = 0; i < start_.kMaxWaiting - 1; ++i) pass(static_cast<std::int64_t>(i), 0);
   EXPECT_TRUE(sent_.empty());
   pass(5000, 0);
-  EXPECT_EQ(sent_.size(), start_.kMost);
+  EXPECT_EQ(sent_.size(), start_.kMaxWaiting);
   start_.begin(0);
   pass(6000, 0);
   start_.release(send_);

@@ -115,7 +115,7 @@ TEST(PeriodClockTest, AHostThatIsLateForASecondHasLostNothing) {
 TEST(PeriodClockTest, LatenessThatNothingExplainsIsWithheldAndEndsInANewBeginning) {
   Line line;
   for (int i = 0; i < 600; ++i) line.arrive(i * kPeriod + (i < 200 ? 200 : 15'200));
-  EXPECT_EQ(line.unsure(), PeriodClock::kMost);
+  EXPECT_EQ(line.unsure(), PeriodClock::kMaxWaiting);
   EXPECT_EQ(line.stamps.back().utime, 5'990'000 + 15'200);
 }
 
@@ -177,7 +177,7 @@ class BadBus {
       if (!spared && one_in(chances_.lost)) continue;
       auto counts = static_cast<std::int32_t>(std::floor(angle * 4096 / (2 * std::numbers::pi)));
       if (!spared && one_in(chances_.corrupt)) counts ^= static_cast<std::int32_t>(random_());
-      std::int64_t delay = kLeast + static_cast<std::int64_t>(random_() % 300);
+      std::int64_t delay = kMinDelay + static_cast<std::int64_t>(random_() % 300);
       if (!spared && one_in(chances_.late)) delay += static_cast<std::int64_t>(random_() % 30'000);
       if (!spared && i > busy_until_ + 200 && one_in(chances_.busy)) {
         busy_until_ = i + 100;
@@ -218,11 +218,11 @@ class BadBus {
   };
   void judge(const Published& published) {
     ++stamped;
-    const std::int64_t error = published.utime - published.taken - kLeast;
+    const std::int64_t error = published.utime - published.taken - kMinDelay;
     if (std::abs(error) > std::abs(worst)) worst = error;
   }
 
-  static constexpr std::int64_t kLeast = 200;  // us, delay
+  static constexpr std::int64_t kMinDelay = 200;  // us, delay
   std::mt19937 random_;
   Chances chances_;
   int busy_until_ = 0;

@@ -85,7 +85,7 @@ TEST_F(SessionTest, IsAFolderNamedByItsStartInUtc) {
 
 TEST_F(SessionTest, EachFileBeginsWithTheConfigurationThatIsKnown) {
   Session session(config_.folder, kSessionStart);
-  ConfigMemory memory;
+  ConfigCache memory;
   service_config_t message;
   message.service = message.section = "mapper";
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));

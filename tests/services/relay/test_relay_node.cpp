@@ -73,8 +73,8 @@ class RelayNodeTest : public ::testing::Test {
       for (Host* host : {one_.get(), two_.get()}) {
         std::array<pollfd, 2> sockets = {{{host->relay->bus_fd(), POLLIN, 0}, {host->relay->peers_fd(), POLLIN, 0}}};
         poll(sockets.data(), sockets.size(), 5);
-        if (sockets[0].revents != 0) host->relay->carry_out();
-        if (sockets[1].revents != 0) host->relay->carry_in(now_);
+        if (sockets[0].revents != 0) host->relay->forward_to_peers();
+        if (sockets[1].revents != 0) host->relay->forward_to_bus(now_);
         host->bus.handle(std::chrono::milliseconds(0));
       }
     }

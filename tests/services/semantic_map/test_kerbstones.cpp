@@ -17,43 +17,43 @@ tile::CurbLine kerb(float y, bool rises = true) {
 TEST(Kerbstones, PartThePavementFromTheRoadAndNotTheRoadFromItself) {
   const Kerbstones kerbs({kerb(3), kerb(-3, false)});
   for (const double x : {0.5, 3.31, 5.0, 7.77}) {
-    EXPECT_TRUE(kerbs.part({x, 0}, {x + 1, 4}));
-    EXPECT_TRUE(kerbs.part({x, 0}, {x + 1, -6}));
-    EXPECT_FALSE(kerbs.part({x, 0}, {x + 1, 2.5}));
-    EXPECT_FALSE(kerbs.part({x, 0}, {x, -2.5}));
+    EXPECT_TRUE(kerbs.separates({x, 0}, {x + 1, 4}));
+    EXPECT_TRUE(kerbs.separates({x, 0}, {x + 1, -6}));
+    EXPECT_FALSE(kerbs.separates({x, 0}, {x + 1, 2.5}));
+    EXPECT_FALSE(kerbs.separates({x, 0}, {x, -2.5}));
   }
-  EXPECT_FALSE(kerbs.part({12, 0}, {12, 6})) << "beyond its end";
-  EXPECT_FALSE(kerbs.part({5, 1}, {5, 1})) << "no way at all";
+  EXPECT_FALSE(kerbs.separates({12, 0}, {12, 6})) << "beyond its end";
+  EXPECT_FALSE(kerbs.separates({5, 1}, {5, 1})) << "no way at all";
 }
 
 TEST(Kerbstones, DoNotPartTheOtherCarriagewayBeyondAnIsland) {
   const Kerbstones kerbs({kerb(3), kerb(5, false)});
-  EXPECT_TRUE(kerbs.part({5, 0}, {5, 4})) << "on the island";
-  EXPECT_FALSE(kerbs.part({5, 0}, {5, 7}));
+  EXPECT_TRUE(kerbs.separates({5, 0}, {5, 4})) << "on the island";
+  EXPECT_FALSE(kerbs.separates({5, 0}, {5, 7}));
 }
 
 TEST(Kerbstones, LoweredOnesPartNothingAndThoseBehindParkedVehiclesDo) {
   tile::CurbLine lowered = kerb(3);
   lowered.dropped = true;
-  EXPECT_FALSE(Kerbstones({lowered}).part({5, 0}, {5, 4}));
-  EXPECT_TRUE(Kerbstones({lowered}).hold({5, 3.2})) << "but they are stones";
+  EXPECT_FALSE(Kerbstones({lowered}).separates({5, 0}, {5, 4}));
+  EXPECT_TRUE(Kerbstones({lowered}).contains({5, 3.2})) << "but they are stones";
   tile::CurbLine inferred = kerb(3);
   inferred.inferred = true;
-  EXPECT_TRUE(Kerbstones({inferred}).part({5, 0}, {5, 4}));
+  EXPECT_TRUE(Kerbstones({inferred}).separates({5, 0}, {5, 4}));
 }
 
 TEST(Kerbstones, LoweredOnesAndThoseThatLieFlushPartADrivewayFromTheRoadWhereAllCount) {
   tile::CurbLine lowered = kerb(3);
   lowered.dropped = true;
   const auto all = Kerbstones::Which::kAll;
-  EXPECT_TRUE(Kerbstones({lowered}).part({5, 0}, {5, 4}, all));
-  EXPECT_FALSE(Kerbstones({lowered}).part({5, 0}, {5, 2.5}, all));
-  EXPECT_FALSE(Kerbstones({kerb(3), lowered, kerb(5, false)}).part({5, 0}, {5, 7}, all)) << "beyond an island";
+  EXPECT_TRUE(Kerbstones({lowered}).separates({5, 0}, {5, 4}, all));
+  EXPECT_FALSE(Kerbstones({lowered}).separates({5, 0}, {5, 2.5}, all));
+  EXPECT_FALSE(Kerbstones({kerb(3), lowered, kerb(5, false)}).separates({5, 0}, {5, 7}, all)) << "beyond an island";
   tile::CurbLine before = kerb(-3, false);  // its high side is on its right
   tile::CurbLine behind = before;
   for (tile::CurbVertex& v : behind.points) v.x += 13;
-  EXPECT_FALSE(Kerbstones({before, behind}).part({11.5, 0}, {11.5, -4}));
-  EXPECT_TRUE(Kerbstones({before, behind}).part({11.5, 0}, {11.5, -4}, all)) << "flush between the two";
+  EXPECT_FALSE(Kerbstones({before, behind}).separates({11.5, 0}, {11.5, -4}));
+  EXPECT_TRUE(Kerbstones({before, behind}).separates({11.5, 0}, {11.5, -4}, all)) << "flush between the two";
 }
 
 TEST(Kerbstones, NoWayIsTooSlantedToBeParted) {
@@ -62,7 +62,7 @@ TEST(Kerbstones, NoWayIsTooSlantedToBeParted) {
     const double turn = degrees * M_PI / 180;
     const Eigen::Vector2d crossing(5.07, 3);
     const Eigen::Vector2d way(std::cos(turn), std::sin(turn));
-    EXPECT_TRUE(kerbs.part(crossing - 2 * way, crossing + 2 * way)) << degrees;
+    EXPECT_TRUE(kerbs.separates(crossing - 2 * way, crossing + 2 * way)) << degrees;
   }
 }
 

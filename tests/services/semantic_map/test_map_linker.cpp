@@ -40,10 +40,10 @@ struct LinkedStreet : testing::Test {
   void drive(double x) {
     const auto utime = static_cast<std::int64_t>(1e6 * (x + 100));
     path.add(utime, {x, -2.0});
-    linker.drove(utime, {x, -2.0});
+    linker.add_place(utime, {x, -2.0});
   }
   /// Links later, when the map is another already.
-  [[nodiscard]] store::MapKeeper::LinkLines ask() { return linker.link_as_is(pipeline, nullptr); }
+  [[nodiscard]] store::MapKeeper::LinkLines ask() { return linker.link_snapshot(pipeline, nullptr); }
   [[nodiscard]] tile::MapLines at_once() const { return link(line_sources(pipeline, path, {})); }
 
   std::vector<tile::VotedTile> tiles = street();
@@ -86,7 +86,7 @@ TEST_F(LinkedStreet, IsLinkedWithoutThePipelineThatMadeIt) {
     passing.settle();
     drive(0);
     drive(1);
-    lines = linker.link_as_is(passing, nullptr);
+    lines = linker.link_snapshot(passing, nullptr);
     then = link(line_sources(passing, path, {}));
   }
   expect_same(lines(), then);
@@ -121,7 +121,7 @@ TEST_F(LinkedStreet, OfATileThatTheFileHadOnlyWhatIsNotKnownAnewIsKept) {
     for (const tile::CurbVertex& v : l.points) before->tiles.insert(*tile_at(double{v.x}, double{v.y}));
   }
   pipeline.set_voted(empty({0, -2}));  // nothing is computed of it yet
-  const tile::MapLines lines = linker.link_as_is(pipeline, before)();
+  const tile::MapLines lines = linker.link_snapshot(pipeline, before)();
   ASSERT_EQ(lines.curbs.size(), 1U);
   EXPECT_EQ(lines.curbs.front().points, line.points);
 }

@@ -5,7 +5,7 @@
 
 #include "common/bus/local_bus.hpp"
 #include "services/viewer/viewer_node.hpp"
-#include "tests/services/viewer/fake_audience.hpp"
+#include "tests/services/viewer/fake_connections.hpp"
 #include "tests/services/viewer/frame_reader.hpp"
 
 namespace curbstone::viewer {
@@ -16,12 +16,12 @@ constexpr std::int64_t kBegan = std::int64_t{kBefore} * 1'000'000 + 10'000'000;
 
 class NewMapTest : public ::testing::Test {
  protected:
-  NewMapTest() : node_(ViewerConfig{}, bus_, audience_, {}) {
+  NewMapTest() : node_(ViewerConfig{}, bus_, connections_, {}) {
     node_.connect(bus_);
     node_.tick(now_);
     for (int i = 0; i < 4; ++i) drive(kBegan + i * 50'000, i, kBefore);
-    audience_.events = {{1, web::Audience::Event::Kind::kCame, "", now_},
-                        {1, web::Audience::Event::Kind::kSaid, R"({"resume": null})", now_}};
+    connections_.events = {{1, web::Connections::Event::Kind::kConnected, "", now_},
+                           {1, web::Connections::Event::Kind::kMessage, R"({"resume": null})", now_}};
   }
   /// The vehicle is `x` m from the map's origin at `utime`.
   void drive(std::int64_t utime, double x, std::int32_t epoch) {
@@ -52,16 +52,16 @@ class NewMapTest : public ::testing::Test {
   nlohmann::json new_map_age() {
     node_.tick(now_ += 200'000);
     FrameReader page;
-    for (const auto& [id, frame] : std::exchange(audience_.sent, {})) {
+    for (const auto& [id, frame] : std::exchange(connections_.sent, {})) {
       const std::string number = std::to_string(page.read(*frame));
-      audience_.events.push_back({id, web::Audience::Event::Kind::kSaid, R"({"ack": )" + number + "}", now_});
+      connections_.events.push_back({id, web::Connections::Event::Kind::kMessage, R"({"ack": )" + number + "}", now_});
     }
     return nlohmann::json::parse(page.state).at("new_map_age");
   }
 
  private:
   LocalBus bus_;
-  FakeAudience audience_;
+  FakeConnections connections_;
   ViewerNode node_;
   std::int64_t now_ = kBegan;
 };

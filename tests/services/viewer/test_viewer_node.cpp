@@ -5,20 +5,20 @@
 #include <nlohmann/json.hpp>
 
 #include "common/bus/local_bus.hpp"
-#include "tests/services/viewer/fake_audience.hpp"
+#include "tests/services/viewer/fake_connections.hpp"
 #include "tests/services/viewer/frame_reader.hpp"
 
 namespace curbstone::viewer {
 namespace {
 
-using web::Audience;
+using web::Connections;
 
 constexpr std::int32_t kEpoch = 1'700'000'000;
 constexpr std::int64_t kStart = std::int64_t{kEpoch} * 1'000'000 + 10'000'000;
 
 class ViewerNodeTest : public ::testing::Test {
  protected:
-  ViewerNodeTest() : node_(ViewerConfig{}, bus_, audience_, {}) {
+  ViewerNodeTest() : node_(ViewerConfig{}, bus_, connections_, {}) {
     node_.connect(bus_);
     bus_.subscribe<tile_request_t>("TILE_REQUEST", [this](const tile_request_t& m) { requests_.push_back(m); });
     node_.tick(now_);
@@ -35,19 +35,19 @@ class ViewerNodeTest : public ::testing::Test {
       read_frames();
     }
   }
-  void say(const std::string& text, web::PageId page = 1) {
-    audience_.events.push_back({page, Audience::Event::Kind::kSaid, text, now_});
+  void send_text(const std::string& text, web::PageId page = 1) {
+    connections_.events.push_back({page, Connections::Event::Kind::kMessage, text, now_});
   }
   void open() {
-    audience_.events.push_back({1, Audience::Event::Kind::kCame, "", now_});
-    say(R"({"resume": null})");
+    connections_.events.push_back({1, Connections::Event::Kind::kConnected, "", now_});
+    send_text(R"({"resume": null})");
   }
   /// The page draws whatever comes, unless it sleeps.
   void read_frames() {
-    for (const auto& [id, frame] : std::exchange(audience_.sent, {})) {
+    for (const auto& [id, frame] : std::exchange(connections_.sent, {})) {
       ++frames_;
       const std::uint32_t number = page_.read(*frame);
-      if (!sleeps_) say(R"({"ack": )" + std::to_string(number) + "}", id);
+      if (!sleeps_) send_text(R"({"ack": )" + std::to_string(number) + "}", id);
     }
   }
   static semantic_tile_t tile(int x, std::int32_t revision, std::int32_t epoch = kEpoch) {
@@ -72,7 +72,7 @@ class ViewerNodeTest : public ::testing::Test {
   [[nodiscard]] std::int64_t counted(const std::string& name) const { return node_.report().counters[name]; }
 
   LocalBus bus_;
-  FakeAudience audience_;
+  FakeConnections connections_;
   ViewerNode node_;
   FrameReader page_;
   std::vector<tile_request_t> requests_;
@@ -103,7 +103,7 @@ TEST_F(ViewerNodeTest, ForgetsAllWhenItBeginsAgainAndThePageForgetsWithIt) {
   open();
   pass(0.2);
   const double run = page_.run;
-  node_.begin_again();
+  node_.restart();
   hear("SEMANTIC_TILE", tile(4, 1));
   hear("MAP_POSE", pose(kStart - 5'000'000, 1));
   pass(0.2);
@@ -117,22 +117,22 @@ TEST_F(ViewerNodeTest, ForgetsAllWhenItBeginsAgainAndThePageForgetsWithIt) {
 TEST_F(ViewerNodeTest, OfALiveMapAPageMayOrderNothing) {
   open();
   pass(0.1);
-  say(R"({"play": {"pause": true}})");
+  send_text(R"({"play": {"pause": true}})");
   pass(0.1);
   EXPECT_EQ(counted("refused.nonsense"), 1);
 }
 
 TEST(ViewerOfALogTest, TakesThePagesOrdersAndRefusesNonsense) {
   LocalBus bus;
-  FakeAudience audience;
-  std::vector<ViewerNode::PlayOrder> orders;
-  ViewerNode node(ViewerConfig{}, bus, audience,
+  FakeConnections connections;
+  std::vector<ViewerNode::PlaybackCommand> orders;
+  ViewerNode node(ViewerConfig{}, bus, connections,
                   {.kind = "replay", .title = "", .on_order = [&](const auto& order) { orders.push_back(order); }});
-  audience.events.push_back({1, Audience::Event::Kind::kCame, "", kStart});
+  connections.events.push_back({1, Connections::Event::Kind::kConnected, "", kStart});
   for (const char* text :
        {R"({"resume": null})", R"({"play": {"pause": true, "speed": 2.5, "position": 7}})", R"({"play": {"speed": 0}})",
         R"({"play": {"position": -1}})", R"({"play": 3})", R"({"play": {"speed": "fast"}})"})
-    audience.events.push_back({1, Audience::Event::Kind::kSaid, text, kStart});
+    connections.events.push_back({1, Connections::Event::Kind::kMessage, text, kStart});
   node.set_playback({.position = 4, .progress = 0.5, .speed = 1, .paused = true, .ended = false});
   node.tick(kStart);
   ASSERT_EQ(orders.size(), 2U);
@@ -142,7 +142,7 @@ TEST(ViewerOfALogTest, TakesThePagesOrdersAndRefusesNonsense) {
   EXPECT_FALSE(orders[1].speed) << "no number: as if it were not there";
   EXPECT_EQ(node.report().counters["refused.nonsense"], 3);
   FrameReader page;
-  page.read(*audience.sent.at(0).second);
+  page.read(*connections.sent.at(0).second);
   EXPECT_EQ(nlohmann::json::parse(page.state)["playback"]["paused"], true);
 }
 
@@ -184,8 +184,8 @@ TEST_F(ViewerNodeTest, APageThatSleepsGetsTwoFramesAndLaterEverything) {
     pass(0.1);
   }
   EXPECT_LE(frames_, 2);
-  say(R"({"ack": 5})");
-  for (std::uint32_t frame = 1; frame < 40; ++frame) say(R"({"ack": )" + std::to_string(frame) + "}");
+  send_text(R"({"ack": 5})");
+  for (std::uint32_t frame = 1; frame < 40; ++frame) send_text(R"({"ack": )" + std::to_string(frame) + "}");
   sleeps_ = false;
   pass(0.5);
   EXPECT_EQ(page_.tiles.size(), 200U);
@@ -255,7 +255,7 @@ TEST_F(ViewerNodeTest, TakesTheLidarsPointsOnlyWhileAPageShowsThem) {
   lidar(2);
   pass(0.2);
   EXPECT_EQ(page_.num_points, 0U);
-  say(R"({"points": true})");
+  send_text(R"({"points": true})");
   pass(0.2);
   lidar(3);
   lidar(4);
@@ -325,12 +325,12 @@ TEST_F(ViewerNodeTest, WhateverAPageSaysNothingBreaks) {
                                          R"({"resume": {"run": "x", "epoch": 1e99, "number": -5}})",
                                          "\xff\xfe",
                                          std::string(4000, '[')};
-  for (const std::string& text : talk) say(text);
-  say(R"({"ack": 1})", 99);
+  for (const std::string& text : talk) send_text(text);
+  send_text(R"({"ack": 1})", 99);
   pass(0.3);
   EXPECT_GE(counted("refused.nonsense"), 12);
   EXPECT_GT(frames_, 0);
-  audience_.events.push_back({1, Audience::Event::Kind::kLeft, "", now_});
+  connections_.events.push_back({1, Connections::Event::Kind::kDisconnected, "", now_});
   pass(0.1);
   EXPECT_EQ(counted("pages"), 0);
 }

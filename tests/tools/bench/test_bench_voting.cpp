@@ -8,7 +8,7 @@
 
 #include "services/tensor_voting/voting/batch_voting.hpp"
 #include "tests/temporary_folder.hpp"
-#include "tools/bench/timing/timed_in_turn.hpp"
+#include "tools/bench/timing/interleaved_timing.hpp"
 #include "tools/bench/voting/batch_comparison.hpp"
 #include "tools/bench/voting/fma_peak.hpp"
 #include "tools/bench/voting/inputs/street_cloud.hpp"

@@ -86,8 +86,8 @@ TEST(BusBoard, AnyBytesMayComeAndMemoryIsBounded) {
     bytes[random() % bytes.size()] ^= static_cast<std::uint8_t>(1U << random() % 8);
     hear(board, k % 3 == 0 ? "C" + std::to_string(k) : "SERVICE_STATUS", bytes, kStart + k);
   }
-  EXPECT_LE(board.channels().size(), BusBoard::kMostChannels);
-  EXPECT_LE(board.services().services().size(), ServiceBoard::kMost);
+  EXPECT_LE(board.channels().size(), BusBoard::kMaxChannels);
+  EXPECT_LE(board.services().services().size(), ServiceBoard::kMaxServices);
   EXPECT_GT(board.unlisted(), 0);
 }
 

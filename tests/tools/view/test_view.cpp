@@ -11,7 +11,7 @@
 #include "common/time/clock.hpp"
 #include "services/semantic_map/semantic_messages.hpp"
 #include "services/semantic_map/store/map_store.hpp"
-#include "tests/services/viewer/fake_audience.hpp"
+#include "tests/services/viewer/fake_connections.hpp"
 #include "tests/services/viewer/frame_reader.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tools/command/run_subcommand.hpp"
@@ -67,16 +67,16 @@ TEST_P(SavedMapTest, IsShownWithItsCurbsAndItsPathAndStaysAsItIs) {
   EXPECT_TRUE(is_map_file(file));
 
   LocalBus bus;
-  viewer::FakeAudience audience;
-  viewer::ViewerNode node(viewer::ViewerConfig{}, bus, audience, {.kind = "map", .title = "map.db"});
+  viewer::FakeConnections connections;
+  viewer::ViewerNode node(viewer::ViewerConfig{}, bus, connections, {.kind = "map", .title = "map.db"});
   node.tick(kBegin);
   ShownMap(file, "map.db", node).show(kBegin);
-  audience.events.push_back({1, viewer::web::Audience::Event::Kind::kCame, "", kBegin});
-  audience.events.push_back({1, viewer::web::Audience::Event::Kind::kSaid, R"({"resume": null})", kBegin});
+  connections.events.push_back({1, viewer::web::Connections::Event::Kind::kConnected, "", kBegin});
+  connections.events.push_back({1, viewer::web::Connections::Event::Kind::kMessage, R"({"resume": null})", kBegin});
   node.tick(kBegin + 20'000);
-  ASSERT_EQ(audience.sent.size(), 1U);
+  ASSERT_EQ(connections.sent.size(), 1U);
   viewer::FrameReader page;
-  page.read(*audience.sent[0].second);
+  page.read(*connections.sent[0].second);
   EXPECT_EQ(page.tiles.size(), 3U);
   EXPECT_EQ(page.tiles.at({2, 0}).cell_class[7], static_cast<std::uint8_t>(CellClass::kRoad));
   EXPECT_EQ(page.curbs.size(), 1U);
@@ -94,8 +94,8 @@ class ShownMapTest : public ::testing::Test {
     write_map(file_, kEpoch);
     node_.tick(now_);
     map_.show(now_);
-    say(R"({"resume": null})", viewer::web::Audience::Event::Kind::kCame);
-    say(R"({"resume": null})", viewer::web::Audience::Event::Kind::kSaid);
+    say(R"({"resume": null})", viewer::web::Connections::Event::Kind::kConnected);
+    say(R"({"resume": null})", viewer::web::Connections::Event::Kind::kMessage);
     look();
     ASSERT_EQ(page_.tiles.size(), 3U);
   }
@@ -104,8 +104,8 @@ class ShownMapTest : public ::testing::Test {
     map_.look(now_);
     for (int i = 0; i < 10; ++i) {
       node_.tick(now_ += 100'000);
-      for (const auto& [id, frame] : std::exchange(audience_.sent, {}))
-        say(R"({"ack": )" + std::to_string(page_.read(*frame)) + "}", viewer::web::Audience::Event::Kind::kSaid);
+      for (const auto& [id, frame] : std::exchange(connections_.sent, {}))
+        say(R"({"ack": )" + std::to_string(page_.read(*frame)) + "}", viewer::web::Connections::Event::Kind::kMessage);
     }
   }
   std::string state() { return page_.state; }
@@ -116,13 +116,13 @@ class ShownMapTest : public ::testing::Test {
   viewer::FrameReader page_;
 
  private:
-  void say(const std::string& text, viewer::web::Audience::Event::Kind kind) {
-    audience_.events.push_back({1, kind, text, now_});
+  void say(const std::string& text, viewer::web::Connections::Event::Kind kind) {
+    connections_.events.push_back({1, kind, text, now_});
   }
 
   LocalBus bus_;
-  viewer::FakeAudience audience_;
-  viewer::ViewerNode node_{viewer::ViewerConfig{}, bus_, audience_, {.kind = "map", .title = "map.db"}};
+  viewer::FakeConnections connections_;
+  viewer::ViewerNode node_{viewer::ViewerConfig{}, bus_, connections_, {.kind = "map", .title = "map.db"}};
   ShownMap map_{file_, "map.db", node_};
   std::int64_t now_ = kBegin;
 };

@@ -5,7 +5,7 @@
 
 #include "tools/bench/drivers/lidar_packets.hpp"
 #include "tools/bench/drivers/serial_streams.hpp"
-#include "tools/bench/timing/timed_in_turn.hpp"
+#include "tools/bench/timing/interleaved_timing.hpp"
 
 namespace curbstone::bench::drivers {
 

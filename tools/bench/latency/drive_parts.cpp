@@ -33,8 +33,8 @@ double resident_megabytes() {
 DriveParts::DriveParts(TimedVehicle& vehicle, double seconds)
     : vehicle_(vehicle), length_(std::llround(seconds * 1e6)), all_cpu_before_(cpu_seconds_of_process()) {}
 
-void DriveParts::hear(const TimedMessage& message) {
-  ages_.hear(message);
+void DriveParts::on_message(const TimedMessage& message) {
+  ages_.on_message(message);
   if (message.channel == "MAP_POSE") {
     map_pose_t m;
     if (!message.decode(m)) return;

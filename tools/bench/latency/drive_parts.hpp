@@ -32,7 +32,7 @@ class DriveParts {
   /// `seconds`: of a part.
   DriveParts(TimedVehicle& vehicle, double seconds);
 
-  void hear(const TimedMessage& message);
+  void on_message(const TimedMessage& message);
   /// The drive has reached `utime`, us. Returns the part that ended with it, if any.
   std::optional<DrivePart> reach(std::int64_t utime);
 

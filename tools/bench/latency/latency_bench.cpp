@@ -74,8 +74,9 @@ nlohmann::json measure(const LatencyBenchOptions& options) {
   output::WatchedLog reader(options.log, "bench latency");
   TileAges ages;
   std::optional<DriveParts> parts;
-  TimedVehicle vehicle(options.vehicle,
-                       [&](const TimedMessage& message) { parts ? parts->hear(message) : ages.hear(message); });
+  TimedVehicle vehicle(options.vehicle, [&](const TimedMessage& message) {
+    parts ? parts->on_message(message) : ages.on_message(message);
+  });
   if (options.every > 0) parts.emplace(vehicle, options.every);
   nlohmann::json rows = nlohmann::json::array();
   std::int64_t first = 0;

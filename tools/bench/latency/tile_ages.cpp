@@ -21,7 +21,7 @@ AgeFigures figures(std::vector<double> values) {
 
 }  // namespace
 
-void TileAges::hear(const TimedMessage& message) {
+void TileAges::on_message(const TimedMessage& message) {
   channels_[message.channel].bytes += message.bytes->size();
   if (message.channel == "MAP_POSE") {
     map_pose_t m;

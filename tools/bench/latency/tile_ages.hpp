@@ -24,7 +24,7 @@ struct AgeFigures {
 /// the tile.
 class TileAges {
  public:
-  void hear(const TimedMessage& message);
+  void on_message(const TimedMessage& message);
 
   [[nodiscard]] AgeFigures age(const std::string& channel) const;
   /// Age of the points of each MAP_POINTS when their tile is sent. Points that changed nothing in the tile do not

@@ -82,7 +82,7 @@ std::vector<Start> tried_starts(Run& run, int count) {
   }
   parallel_for(starts.size(), 1, run.threads, [&](std::size_t i, std::size_t /*end*/) {
     Trial trial(run.config, drive, run.true_pose());
-    trial.hear(starts[i].from, starts[i].until);
+    trial.play(starts[i].from, starts[i].until);
     starts[i].said = trial.said();
   });
   return starts;
@@ -145,9 +145,9 @@ std::vector<Carried> tried_carrying(Run& run, int count) {
     localizer::LocalizerConfig config = run.config;
     config.start = one.start;
     Trial trial(config, drive, run.true_pose());
-    trial.hear(one.cut - kKnown, one.cut);
+    trial.play(one.cut - kKnown, one.cut);
     const auto heard = static_cast<std::ptrdiff_t>(trial.said().size());
-    trial.hear(one.there, one.there + kFind);
+    trial.play(one.there, one.there + kFind);
     one.said.assign(trial.said().begin() + heard, trial.said().end());
   });
   return all;

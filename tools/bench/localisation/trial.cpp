@@ -42,12 +42,12 @@ Trial::Trial(const localizer::LocalizerConfig& config, const RecordedDrive& driv
   });
 }
 
-void Trial::hear(std::int64_t from, std::int64_t until) {
+void Trial::play(std::int64_t from, std::int64_t until) {
   if (last_lidar_) take_up(from);
   const auto& messages = drive_.messages();
   for (std::size_t i = drive_.first_at(from); i < messages.size() && time_of(messages[i]) < until; ++i) {
     const double begun = cpu_ms();
-    std::visit([this](const auto& m) { hear(m); }, messages[i]);
+    std::visit([this](const auto& m) { on_message(m); }, messages[i]);
     ms_ += cpu_ms() - begun;
     bus_.dispatch();
   }
@@ -66,7 +66,7 @@ void Trial::take_up(std::int64_t from) {
   T_heard_odom_ = planar(*last_odometry_) * planar(drive_.odometry_at(from)).inverse();
 }
 
-void Trial::hear(const lidar_points_t& message) {
+void Trial::on_message(const lidar_points_t& message) {
   last_lidar_ = message;
   last_lidar_->utime += late_;
   last_lidar_->packet += packets_;
@@ -74,7 +74,7 @@ void Trial::hear(const lidar_points_t& message) {
   node_.on(*last_lidar_);
 }
 
-void Trial::hear(const odometry_t& message) {
+void Trial::on_message(const odometry_t& message) {
   last_odometry_ = message;
   last_odometry_->utime += late_;
   pose_to_arrays(T_heard_odom_ * pose_from_arrays(message.position, message.orientation), last_odometry_->position,

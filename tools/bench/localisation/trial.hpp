@@ -29,13 +29,13 @@ class Trial {
 
   /// Feeds the drive from one time to another. At the start of a further piece the vehicle is carried there while
   /// standing.
-  void hear(std::int64_t from, std::int64_t until);
+  void play(std::int64_t from, std::int64_t until);
   [[nodiscard]] const std::vector<Said>& said() const { return said_; }
 
  private:
   void take_up(std::int64_t from);
-  void hear(const lidar_points_t& message);
-  void hear(const odometry_t& message);
+  void on_message(const lidar_points_t& message);
+  void on_message(const odometry_t& message);
 
   const RecordedDrive& drive_;
   const localise::TrueMapPose* truth_;

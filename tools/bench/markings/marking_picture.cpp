@@ -14,8 +14,8 @@ namespace {
 using semantic_map::picture::Canvas;
 using semantic_map::picture::Colour;
 
-constexpr int kPixels = 6;       // per cell
-constexpr int kMostCells = 700;  // per side
+constexpr int kPixels = 6;      // per cell
+constexpr int kMaxCells = 700;  // per side
 constexpr std::array<Colour, semantic_map::tile::kNumMarkingTypes> kColours = {
     {{90, 120, 255}, {40, 230, 60}, {40, 220, 230}, {255, 150, 30}, {250, 240, 40}, {255, 50, 30}}};
 
@@ -44,8 +44,8 @@ void draw_markings(const std::vector<semantic_map::tile::VotedTile>& tiles, cons
   }
   if (cells.empty()) return;
   const TileKey middle{(low.x + high.x) / 2, (low.y + high.y) / 2};
-  low = {std::max(low.x, middle.x - kMostCells / 2), std::max(low.y, middle.y - kMostCells / 2)};
-  high = {std::min(high.x, middle.x + kMostCells / 2), std::min(high.y, middle.y + kMostCells / 2)};
+  low = {std::max(low.x, middle.x - kMaxCells / 2), std::max(low.y, middle.y - kMaxCells / 2)};
+  high = {std::min(high.x, middle.x + kMaxCells / 2), std::min(high.y, middle.y + kMaxCells / 2)};
   Canvas canvas((high.x - low.x + 1) * kPixels, (high.y - low.y + 1) * kPixels, {20, 30, 26});
   for (const auto& [at, sum] : cells) {
     const auto grey = static_cast<std::uint8_t>(std::min(255.0, 1.4 * sum.intensity / sum.count));

@@ -53,14 +53,14 @@ std::int64_t compressed_size(const std::vector<std::uint8_t>& message) {
 }
 
 /// Three pages that acknowledge each frame at once, except the last one, which never does.
-class CountingAudience final : public web::Audience {
+class CountingConnections final : public web::Connections {
  public:
-  CountingAudience() {
+  CountingConnections() {
     for (const web::PageId page : {kMap, kPoints, kUnread}) {
-      tell(page, Event::Kind::kCame, "");
-      tell(page, Event::Kind::kSaid, R"({"resume": null})");
+      tell(page, Event::Kind::kConnected, "");
+      tell(page, Event::Kind::kMessage, R"({"resume": null})");
     }
-    tell(kPoints, Event::Kind::kSaid, R"({"points": true})");
+    tell(kPoints, Event::Kind::kMessage, R"({"points": true})");
   }
   std::vector<Event> take_events() override { return std::exchange(events_, {}); }
   void send(web::PageId page, web::Frame frame) override {
@@ -73,9 +73,9 @@ class CountingAudience final : public web::Audience {
     const std::uint32_t number = u32_at(*frame, 0);
     for (std::size_t at = 4; at + 5 <= frame->size(); at += 5 + u32_at(*frame, at + 1))
       traffic.sections[kSections.at((*frame)[at])] += 5 + u32_at(*frame, at + 1);
-    if (page != kUnread) tell(page, Event::Kind::kSaid, fmt::format(R"({{"ack": {}}})", number));
+    if (page != kUnread) tell(page, Event::Kind::kMessage, fmt::format(R"({{"ack": {}}})", number));
   }
-  void say(web::PageId, std::string) override {}
+  void send_text(web::PageId, std::string) override {}
   [[nodiscard]] std::size_t queued(web::PageId) const override { return 0; }
   [[nodiscard]] Counters counters() const override { return {}; }
   [[nodiscard]] PageTraffic of(web::PageId page) { return pages_[page]; }
@@ -93,9 +93,9 @@ class CountingAudience final : public web::Audience {
 DriveTraffic measure_traffic(const std::string& log) {
   output::WatchedLog reader(log, "bench viewer");
   LocalBus bus;
-  CountingAudience audience;
+  CountingConnections connections;
   const ViewerConfig config;
-  ViewerNode node(config, bus, audience, {});
+  ViewerNode node(config, bus, connections, {});
   node.connect(bus);
   replay::ReplayOptions options;
   options.assignments = {"mapper.folder=", "semantic_map.map="};  // writes nothing to the disk
@@ -120,9 +120,9 @@ DriveTraffic measure_traffic(const std::string& log) {
   }
   if (now <= first) throw std::runtime_error(log + ": holds no LIDAR_POINTS, IMU or WHEELS");
   DriveTraffic traffic{.seconds = static_cast<double>(now - first) * 1e-6,
-                       .map = audience.of(kMap),
-                       .points = audience.of(kPoints),
-                       .unread = audience.of(kUnread),
+                       .map = connections.of(kMap),
+                       .points = connections.of(kPoints),
+                       .unread = connections.of(kUnread),
                        .tiles = {}};
   for (const auto& [key, tile] : tiles) traffic.tiles.push_back(tile);
   return traffic;

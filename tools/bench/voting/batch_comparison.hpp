@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "tools/bench/timing/timed_in_turn.hpp"
+#include "tools/bench/timing/interleaved_timing.hpp"
 
 namespace curbstone::bench::voting {
 

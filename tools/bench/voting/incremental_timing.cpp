@@ -90,7 +90,7 @@ class WorkerTimer {
       if (page.page == 0) pacing_ms.push_back(static_cast<double>(now_ - page.utime) * 1e-3);
     });
   }
-  void hear(const std::string& channel, const void* data, int size) {
+  void on_message(const std::string& channel, const void* data, int size) {
     const double begin = cpu_ms();
     bus_.inject(channel, data, size);
     bus_.dispatch();
@@ -176,7 +176,7 @@ IncrementalTiming time_incremental(const inputs::DriveSource& source) {
   std::vector<double> worker_ms;
   bool driving = false;
   const auto message = [&](const std::string& channel, const void* data, int size) {
-    worker.hear(channel, data, size);
+    worker.on_message(channel, data, size);
     if (channel == "MAP_POINTS") {
       map_points_t points{};
       if (points.decode(data, 0, size) >= 0) fields.add(points);

@@ -60,13 +60,13 @@ void add_options(CommandLine& line, VotingBenchOptions& o) {
   line.option("--json", o.json, "Write the figures to this file too");
 }
 
-void say(const std::string& what) {
+void print_line(const std::string& what) {
   fmt::print(stderr, "bench voting: {}\n", what);
 }
 
 BatchRow measured(BatchRow row, bool with_pcl, const VotingBenchOptions& o) {
-  say(fmt::format("{} points on {} m, sigma {}, {} threads{}", row.points, row.length, row.sigma, row.threads,
-                  with_pcl ? ", and PCL" : ""));
+  print_line(fmt::format("{} points on {} m, sigma {}, {} threads{}", row.points, row.length, row.sigma, row.threads,
+                         with_pcl ? ", and PCL" : ""));
   measure_batch(row, with_pcl, o.kernel, o.turns);
   return row;
 }
@@ -99,7 +99,7 @@ VotingReport measure(const VotingBenchOptions& o) {
   if (!o.no_growth) report.growth = measure_growth(o);
   report.stick_sum = stick_sum();
   if (!o.no_drive) {
-    say(o.drive.log.empty() ? fmt::format("a drive of {} s", o.drive.seconds) : o.drive.log);
+    print_line(o.drive.log.empty() ? fmt::format("a drive of {} s", o.drive.seconds) : o.drive.log);
     report.incremental = time_incremental(o.drive);
   }
   const FmaPeak again = measure_fma_peak(o.threads, 0.5, o.kernel);  // takes the higher of the peaks before and after
@@ -118,7 +118,7 @@ int run_bench_voting(int argc, char** argv) {
   add_options(line, options);
   if (const auto status = line.read(argc, argv)) return *status;
   if (const std::string why = tensor_voting::cuda::why_no_cuda(); options.on_gpu && !why.empty()) {
-    say(why);
+    print_line(why);
     return 1;
   }
   const VotingReport report = measure(options);

@@ -8,7 +8,7 @@ namespace curbstone::doctor::checks {
 
 namespace {
 
-constexpr std::int64_t kMostOffset = 50'000;  // us; at 20 m/s this shifts a map point by 1 m
+constexpr std::int64_t kMaxOffset = 50'000;  // us; at 20 m/s this shifts a map point by 1 m
 constexpr int kFewestCores = 2;
 
 Verdict check_clock(const ClockFacts& clock) {
@@ -18,7 +18,7 @@ Verdict check_clock(const ClockFacts& clock) {
     return finding("clock", fmt::format("not synchronised ({})", who),
                    "apt-get install chrony, or ptp4l and phc2sys: docs/deployment.md, \"Clocks\"");
   }
-  if (std::abs(clock.offset) > kMostOffset) {
+  if (std::abs(clock.offset) > kMaxOffset) {
     return finding("clock",
                    fmt::format("{:+.1f} ms off its source ({})", static_cast<double>(clock.offset) * 1e-3, who),
                    "chronyc tracking; chronyc makestep, before the drive");

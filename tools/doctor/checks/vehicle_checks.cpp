@@ -8,7 +8,7 @@ namespace curbstone::doctor::checks {
 
 namespace {
 
-constexpr double kLeastHours = 1.0;  // of recording, for one drive
+constexpr double kMinHours = 1.0;  // of recording, for one drive
 
 Verdict check_config(const ConfigFacts& config) {
   if (config.error.empty()) return good("config", config.file);
@@ -100,7 +100,7 @@ Verdict check_disk(const DiskFacts& disk) {
   const double hours = static_cast<double>(disk.free_bytes) / disk.rate / 3600;
   const std::string text = fmt::format("{:.1f} h of recording are free in {}, at {:.1f} MB/s ({})", hours, disk.folder,
                                        disk.rate * 1e-6, disk.is_measured ? "measured" : "usual; nothing drives now");
-  if (hours < kLeastHours)
+  if (hours < kMinHours)
     return finding("disk", text, fmt::format("move logs away: du -sh {}/*; or set recorder.file", disk.folder));
   return good("disk", text);
 }

@@ -138,7 +138,7 @@ std::int64_t drops_at(int port) {
 }
 
 void listen(ProbeSocket& socket, double seconds, const std::string& unrecorded, checks::BusProbeFacts& facts) {
-  constexpr std::size_t kMostNames = 1000;  // any sender may use any names
+  constexpr std::size_t kMaxNames = 1000;  // any sender may use any names
   const std::string own = own_message();
   const std::int64_t begin = steady_clock(), end = begin + static_cast<std::int64_t>(seconds * 1e6);
   socket.send(own);
@@ -148,13 +148,13 @@ void listen(ProbeSocket& socket, double seconds, const std::string& unrecorded, 
     if (datagram->group.s_addr != socket.group().s_addr) {
       std::array<char, INET_ADDRSTRLEN> text{};
       inet_ntop(AF_INET, &datagram->group, text.data(), text.size());
-      if (facts.other_groups.size() < kMostNames) ++facts.other_groups[text.data()];
+      if (facts.other_groups.size() < kMaxNames) ++facts.other_groups[text.data()];
     } else if (datagram->bytes == own) {
       if (!facts.round_trip) facts.round_trip = steady_clock() - begin;
     } else {
       const std::string channel = channel_of(datagram->bytes);
       if (channel != unrecorded) facts.bytes += static_cast<std::int64_t>(datagram->bytes.size());
-      if (facts.messages.size() < kMostNames) ++facts.messages[channel];
+      if (facts.messages.size() < kMaxNames) ++facts.messages[channel];
     }
   }
   facts.seconds = seconds;

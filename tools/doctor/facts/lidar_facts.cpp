@@ -45,8 +45,8 @@ void receive_for(int fd, double seconds, OnPacket on_packet) {
 }
 
 void count(std::map<std::string, std::int64_t>& packets, const std::string& name) {
-  constexpr std::size_t kMost = 32;
-  if (packets.size() < kMost || packets.contains(name)) ++packets[name];
+  constexpr std::size_t kMaxNames = 32;
+  if (packets.size() < kMaxNames || packets.contains(name)) ++packets[name];
 }
 
 void count(checks::LidarFacts& facts, lidar::sources::Ipv4 sender) {

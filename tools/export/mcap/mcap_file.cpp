@@ -12,8 +12,8 @@
 
 #include "common/log/message_order.hpp"
 #include "common/mcap/mcap_writer.hpp"
+#include "tools/export/mcap/foxglove_log.hpp"
 #include "tools/export/mcap/lcm_schemas.hpp"
-#include "tools/export/mcap/log_show.hpp"
 #include "tools/output/watched_log.hpp"
 
 namespace curbstone::map_export::mcap {
@@ -33,7 +33,7 @@ class Channels {
     for (const auto& channel : foxglove::fixed_channels()) add(channel);
   }
 
-  [[nodiscard]] std::uint16_t of(const foxglove::Message& message, const LogShow& show) {
+  [[nodiscard]] std::uint16_t of(const foxglove::Message& message, const FoxgloveLog& show) {
     const auto known = shown_.find(message.channel);
     if (known != shown_.end()) return known->second;
     const std::size_t index = message.channel - foxglove::kFirstStatus;
@@ -86,7 +86,7 @@ McapResult write_mcap(const std::string& log, const std::string& path, const vie
   if (!out) throw std::runtime_error(path + ": cannot be written: " + std::strerror(errno));
   McapWriter writer(out, {.compression = settings.compression});
   Channels channels(writer);
-  LogShow show(config);
+  FoxgloveLog show(config);
   McapResult result;
   const auto write_shown = [&](const std::vector<foxglove::Message>& messages) {
     for (const foxglove::Message& message : messages)

@@ -12,7 +12,7 @@ constexpr std::uint8_t kError = 0x80;
 constexpr std::uint8_t kIllegalFunction = 1;
 constexpr std::uint8_t kIllegalAddress = 2;
 constexpr std::uint8_t kIllegalValue = 3;
-constexpr int kMostRegisters = 125;
+constexpr int kMaxRegisters = 125;
 
 int word(std::span<const std::uint8_t> bytes, std::size_t at) {
   return bytes[at] << 8 | bytes[at + 1];
@@ -55,7 +55,7 @@ std::vector<std::uint8_t> ModbusDriveEmulator::answer() {
   std::uint8_t exception = 0;
   if (request[1] != kReadHoldingRegisters) {
     exception = kIllegalFunction;
-  } else if (count < 1 || count > kMostRegisters) {
+  } else if (count < 1 || count > kMaxRegisters) {
     exception = kIllegalValue;
   } else {
     reply.push_back(static_cast<std::uint8_t>(2 * count));

@@ -7,7 +7,7 @@ namespace curbstone::simulate::recorded {
 
 namespace {
 
-constexpr std::size_t kMostScans = 40;
+constexpr std::size_t kMaxScans = 40;
 
 /// As mapper::intensity::RingScale, in the lidar's frame.
 bool is_on_the_road(const Eigen::Vector3f& p, double height) {
@@ -18,7 +18,7 @@ bool is_on_the_road(const Eigen::Vector3f& p, double height) {
 
 mapper::intensity::RingHistograms road_of(const ScanSet& scans, double height) {
   mapper::intensity::RingHistograms road;
-  const std::size_t step = (scans.files.size() + kMostScans - 1) / kMostScans;
+  const std::size_t step = (scans.files.size() + kMaxScans - 1) / kMaxScans;
   for (std::size_t i = 0; i < scans.files.size(); i += step) {
     for (const ScanPoint& point : read_scan(scans.files[i])) {
       if (!is_on_the_road(point.position, height)) continue;

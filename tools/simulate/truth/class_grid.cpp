@@ -32,11 +32,11 @@ std::uint8_t ground_class(const world::Ground& ground, double x, double y, doubl
 }  // namespace
 
 double fine_resolution(const world::Scene& scene) {
-  constexpr double kFinest = 0.03;     // m
-  constexpr double kMostPixels = 1e8;  // a town of 300 m x 300 m
+  constexpr double kFinest = 0.03;    // m
+  constexpr double kMaxPixels = 1e8;  // a town of 300 m x 300 m
   const world::Ground& ground = scene.ground();
   const double area = ground.width() * world::Ground::kPitch * ground.height() * world::Ground::kPitch;
-  return area > kFinest * kFinest * kMostPixels ? ClassGrid{}.resolution : kFinest;
+  return area > kFinest * kFinest * kMaxPixels ? ClassGrid{}.resolution : kFinest;
 }
 
 ClassGrid make_class_grid(const world::Scene& scene, double vehicle_height, double resolution) {

@@ -26,7 +26,7 @@ std::optional<std::int64_t> sequence_in(const std::vector<NamedValue>& values) {
 }  // namespace
 
 void BusBoard::on_message(const std::string& channel, const void* data, std::size_t size, std::int64_t now) {
-  if (!channels_.contains(channel) && channels_.size() >= kMostChannels) {
+  if (!channels_.contains(channel) && channels_.size() >= kMaxChannels) {
     ++unlisted_;
     return;
   }
@@ -61,7 +61,7 @@ bool BusBoard::decode_known(const std::string& channel, const void* data, std::s
   } else if (channel == "PM_INFO") {
     procman_lcm::deputy_info_t info{};
     if (!decode(data, static_cast<int>(size), info)) return false;
-    if (deputies_.contains(info.deputy_id) || deputies_.size() < kMostDeputies)
+    if (deputies_.contains(info.deputy_id) || deputies_.size() < kMaxDeputies)
       deputies_[info.deputy_id] = {info, now, info.utime - now};
   }
   return true;

@@ -31,8 +31,8 @@ struct DeputyState {
 /// Pure; invalid bytes are tolerated, and memory is bounded.
 class BusBoard {
  public:
-  static constexpr std::size_t kMostChannels = 500;
-  static constexpr std::size_t kMostDeputies = 50;
+  static constexpr std::size_t kMaxChannels = 500;
+  static constexpr std::size_t kMaxDeputies = 50;
 
   /// `followed`: the channel whose last message is kept; empty: none.
   explicit BusBoard(std::string followed) : followed_(std::move(followed)) {}
@@ -43,7 +43,7 @@ class BusBoard {
   [[nodiscard]] const ServiceBoard& services() const { return services_; }
   [[nodiscard]] const std::map<std::string, DeputyState>& deputies() const { return deputies_; }
   [[nodiscard]] const std::string& followed() const { return followed_; }
-  /// Messages on channels beyond kMostChannels.
+  /// Messages on channels beyond kMaxChannels.
   [[nodiscard]] std::int64_t unlisted() const { return unlisted_; }
 
  private:

@@ -8,7 +8,7 @@ namespace curbstone::spy::board {
 void ChannelStatistics::add(std::int64_t now, std::size_t size, std::optional<std::int64_t> sequence) {
   ++messages_;
   arrivals_.push_back({now, size});
-  while (arrivals_.size() > kMost || now - arrivals_.front().time > kWindow) arrivals_.pop_front();
+  while (arrivals_.size() > kMaxMessages || now - arrivals_.front().time > kWindow) arrivals_.pop_front();
   if (!sequence) return;
   lost_ = lost_.value_or(0);
   if (sequence_ && *sequence > *sequence_ && *sequence - *sequence_ <= kWholeGap) *lost_ += *sequence - *sequence_ - 1;

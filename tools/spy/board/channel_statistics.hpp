@@ -18,11 +18,11 @@ struct ChannelRates {
 };
 
 /// Rate, jitter and bandwidth of a channel, and gaps in its sequence numbers. Pure: times in us of one monotonic clock.
-/// Memory is bounded: for a fast channel the window is the last kMost messages.
+/// Memory is bounded: for a fast channel the window is the last kMaxMessages messages.
 class ChannelStatistics {
  public:
   static constexpr std::int64_t kWindow = 5'000'000;  ///< us
-  static constexpr std::size_t kMost = 2000;          ///< messages
+  static constexpr std::size_t kMaxMessages = 2000;   ///< messages
 
   /// Adds a received message. `sequence`: for messages with a sequence number.
   void add(std::int64_t now, std::size_t size, std::optional<std::int64_t> sequence);

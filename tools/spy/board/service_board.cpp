@@ -33,7 +33,7 @@ std::optional<std::int64_t> ServiceState::counter(const std::string& name) const
 
 void ServiceBoard::add(const service_status_t& status, std::int64_t now) {
   const std::pair key(status.service, status.host);
-  if (!services_.contains(key) && services_.size() >= kMost) return;
+  if (!services_.contains(key) && services_.size() >= kMaxServices) return;
   ServiceState& state = services_[key];
   const double seconds = static_cast<double>(status.uptime - state.status.uptime) * 1e-6;
   if (state.heard != 0 && state.status.pid == status.pid && seconds > 0) {

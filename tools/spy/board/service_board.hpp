@@ -30,7 +30,7 @@ struct ServiceState {
 /// All services received, by name and host. Pure; times of reception in us since the Unix epoch.
 class ServiceBoard {
  public:
-  static constexpr std::size_t kMost = 200;  ///< services; the bus may carry garbage
+  static constexpr std::size_t kMaxServices = 200;  ///< services; the bus may carry garbage
 
   void add(const service_status_t& status, std::int64_t now);
   [[nodiscard]] const std::map<std::pair<std::string, std::string>, ServiceState>& services() const {

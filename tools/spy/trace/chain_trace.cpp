@@ -42,7 +42,7 @@ void ChainTrace::on_message(const std::string& channel, const void* data, std::s
   }
   if (channel == "SERVICE_STATUS") {
     HeardStatus heard{.arrival = arrival, .status = {}};
-    if (statuses_.size() < kMostStatuses && decode(data, static_cast<int>(size), heard.status))
+    if (statuses_.size() < kMaxStatuses && decode(data, static_cast<int>(size), heard.status))
       statuses_.push_back(std::move(heard));
     else
       ++left_out_;
@@ -51,7 +51,7 @@ void ChainTrace::on_message(const std::string& channel, const void* data, std::s
   if (channel == "SEMANTIC_TILE" && !shows_news(data, size)) return;
   const auto known = channels_.find(channel);
   const bool is_new = known == channels_.end() || !known->second.contains(measurement->key);
-  if (is_new && (num_spans_ >= kMostSpans || (known == channels_.end() && channels_.size() >= kMostChannels))) {
+  if (is_new && (num_spans_ >= kMaxSpans || (known == channels_.end() && channels_.size() >= kMaxChannels))) {
     ++left_out_;
     return;
   }
@@ -71,7 +71,7 @@ bool ChainTrace::shows_news(const void* data, std::size_t size) {
   if (!decode(data, static_cast<int>(size), tile)) return false;
   const std::pair key{tile.tile_x, tile.tile_y};
   const auto known = shown_.find(key);
-  if (known == shown_.end() && shown_.size() < kMostTiles) shown_.emplace(key, tile.utime);
+  if (known == shown_.end() && shown_.size() < kMaxTiles) shown_.emplace(key, tile.utime);
   if (known == shown_.end()) return true;
   return std::exchange(known->second, std::max(known->second, tile.utime)) < tile.utime;
 }

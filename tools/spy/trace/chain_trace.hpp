@@ -30,10 +30,10 @@ struct HeardStatus {
 /// measurement. Pure; invalid bytes are tolerated, and memory is bounded.
 class ChainTrace {
  public:
-  static constexpr std::size_t kMostSpans = 200'000;  ///< one minute of a whole vehicle
-  static constexpr std::size_t kMostChannels = 500;
-  static constexpr std::size_t kMostStatuses = 20'000;
-  static constexpr std::size_t kMostTiles = 100'000;
+  static constexpr std::size_t kMaxSpans = 200'000;  ///< one minute of a whole vehicle
+  static constexpr std::size_t kMaxChannels = 500;
+  static constexpr std::size_t kMaxStatuses = 20'000;
+  static constexpr std::size_t kMaxTiles = 100'000;
   static constexpr std::int64_t kOldest = 10'000'000;    ///< us in transit; older: from a log, or a repeated state
   static constexpr std::int64_t kEarliest = -1'000'000;  ///< us: the other host's clock is ahead
 

@@ -70,7 +70,7 @@ Refusal HeliosModel::read_info(std::int64_t received, std::span<const std::uint8
   if (alone && settings_.angles.empty() && !is_plausible(result.info, result.status)) return Refusal::kDifopAngles;
   const bool agreed = info_.offer(result.info);
   if (agreed || alone) use(result.info);
-  if (info_.value() || facts_.reported || alone) tell(info_.value().value_or(result.info), result.status);
+  if (info_.value() || facts_.reported || alone) report_info(info_.value().value_or(result.info), result.status);
   return Refusal::kNone;
 }
 
@@ -80,7 +80,7 @@ void HeliosModel::use(DeviceInfo info) {
   facts_.angles_known = true;
 }
 
-void HeliosModel::tell(const DeviceInfo& info, const DeviceStatus& status) {
+void HeliosModel::report_info(const DeviceInfo& info, const DeviceStatus& status) {
   facts_.reported = true;
   const int fires = ((info.fov_end - info.fov_start) % 36000 + 36000) % 36000;
   facts_.field_of_view = fires == 0 ? 360.0 : fires * 0.01;

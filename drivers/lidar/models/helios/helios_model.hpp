@@ -1,6 +1,6 @@
 #pragma once
 
-#include "drivers/lidar/models/base/agreed.hpp"
+#include "drivers/lidar/models/base/confirmed_value.hpp"
 #include "drivers/lidar/models/base/model.hpp"
 #include "drivers/lidar/models/helios/helios_decoder.hpp"
 
@@ -23,12 +23,12 @@ class HeliosModel final : public Model {
 
  private:
   void use(DeviceInfo info);
-  void tell(const DeviceInfo& info, const DeviceStatus& status);
+  void report_info(const DeviceInfo& info, const DeviceStatus& status);
 
   const Variant& variant_;
   ModelSettings settings_;
   HeliosDecoder decoder_;
-  Agreed<DeviceInfo> info_;
+  ConfirmedValue<DeviceInfo> info_;
   DeviceFacts facts_;
 };
 

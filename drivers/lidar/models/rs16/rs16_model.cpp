@@ -63,7 +63,7 @@ Refusal Rs16Model::read_info(std::int64_t received, std::span<const std::uint8_t
   const DifopResult result = parse_difop(bytes);
   if (result.refusal != Refusal::kNone) return result.refusal;
   if (info_.offer(result.info)) decoder_.set_device(with_settings(result.info));
-  if (info_.value()) tell(*info_.value(), result.status);
+  if (info_.value()) report_info(*info_.value(), result.status);
   return Refusal::kNone;
 }
 
@@ -77,7 +77,7 @@ DeviceInfo Rs16Model::with_settings(DeviceInfo info) const {
   return info;
 }
 
-void Rs16Model::tell(const DeviceInfo& info, const DeviceStatus& status) {
+void Rs16Model::report_info(const DeviceInfo& info, const DeviceStatus& status) {
   facts_.reported = true;
   const int fires = ((info.fov_end - info.fov_start) % 36000 + 36000) % 36000;
   facts_.field_of_view = fires == 0 ? 360.0 : fires * 0.01;

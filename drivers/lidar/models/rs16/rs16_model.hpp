@@ -1,6 +1,6 @@
 #pragma once
 
-#include "drivers/lidar/models/base/agreed.hpp"
+#include "drivers/lidar/models/base/confirmed_value.hpp"
 #include "drivers/lidar/models/base/model.hpp"
 #include "drivers/lidar/models/rs16/rs16_decoder.hpp"
 
@@ -24,12 +24,12 @@ class Rs16Model final : public Model {
 
  private:
   [[nodiscard]] DeviceInfo with_settings(DeviceInfo info) const;
-  void tell(const DeviceInfo& info, const DeviceStatus& status);
+  void report_info(const DeviceInfo& info, const DeviceStatus& status);
   [[nodiscard]] bool has_two_returns(const decoding::DecodedPacket& packet);
 
   ModelSettings settings_;
   Rs16Decoder decoder_;
-  Agreed<DeviceInfo> info_;
+  ConfirmedValue<DeviceInfo> info_;
   DeviceFacts facts_;
   std::int64_t stamp_ = 0;  // us, of the previous packet
   int azimuth_ = 0;         // 0.01 deg, likewise

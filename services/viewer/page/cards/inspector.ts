@@ -1,6 +1,6 @@
 // The card of the selected cell or curb.
 import { classColours, css, kClassNames, Mode, Theme } from "../drawing/palette";
-import { byId, closeButton, fixed, list, make, metres, say, seconds } from "../format";
+import { byId, closeButton, fixed, list, make, metres, seconds, setText } from "../format";
 import { newestTime } from "../survey";
 import { cellAt, heightOf, kUnknownCost, Tile, World } from "../world";
 import { CurbPlace, curbAt, CutCell, cutAcross, drawCut, lengthOf } from "./cross_section";
@@ -41,7 +41,7 @@ export class Inspector {
       ...this.distance(),
     ]);
     const curb = curbAt(this.world, ...this.picked);
-    say(this.name, kClassNames[kind]);
+    setText(this.name, kClassNames[kind]);
     // The curb comes first: a phone shows no more without scrolling.
     const above = curb ? [...this.curb(curb, colours.map(c => c ? css(c) : "transparent")), make("h4", "Cell")] : [];
     this.body.replaceChildren(...above, facts);

@@ -1,5 +1,5 @@
 // The controls: colours with their legend, layers, theme, data of the vehicle.
-import { byId, fixed, list, make, metres, say, seconds } from "../format";
+import { byId, fixed, list, make, metres, seconds, setText } from "../format";
 import { classColours, css, kClassNames, kModes, Mode, ramp, Theme } from "../drawing/palette";
 import { kInk } from "../drawing/ink";
 import { Layers, Settings } from "../settings";
@@ -186,8 +186,8 @@ function scale(mode: Mode, [low, high]: [number, number]): HTMLElement {
 /// The summary line of the folded panel on a phone.
 export function showSummary(isFile: boolean, speed: number | null, latency: number | null, faults: number, silent: number): void {
   const [title, news] = byId("summary").children as unknown as [HTMLElement, HTMLElement];
-  say(title, isFile ? "Layers" : "Layers and health");
+  setText(title, isFile ? "Layers" : "Layers and health");
   const figures = [speed === null ? "" : `${speed.toFixed(1)} m/s`, latency === null ? "" : `${seconds(latency)} delay`];
-  say(news, faults ? `${faults} with faults` : silent ? `${silent} silent` : figures.filter(Boolean).join(" · "));
+  setText(news, faults ? `${faults} with faults` : silent ? `${silent} silent` : figures.filter(Boolean).join(" · "));
   news.className = faults || silent ? "bad" : "";
 }

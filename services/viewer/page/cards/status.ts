@@ -1,13 +1,13 @@
 // What the page says of its data: a word in the bar, a sentence over the map, the title of the tab.
-import { byId, say } from "../format";
+import { byId, setText } from "../format";
 import { Judgement } from "../staleness";
 
 /// `shown`: of the data that are seen; `now`: of the live ones.
 export function showStatus(shown: Judgement, now: Judgement): void {
   const status = byId("status"), curtain = byId("curtain");
-  say(status, shown.word);
+  setText(status, shown.word);
   status.className = `chip ${shown.mood}`;
-  say(curtain, shown.sentence);
+  setText(curtain, shown.sentence);
   curtain.hidden = !shown.sentence;
   curtain.className = shown.mood;
   document.title = now.mood === "bad" ? `${now.word} – Curbstone` : "Curbstone";

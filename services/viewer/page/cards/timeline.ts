@@ -4,7 +4,7 @@ import { Playback } from "../world";
 
 const kSpeeds = [1, 2, 5, 10, 0.5];
 
-export interface PlayOrder { pause?: boolean; speed?: number; position?: number }
+export interface PlaybackCommand { pause?: boolean; speed?: number; position?: number }
 
 export function clock(s: number): string {
   return `${Math.floor(s / 60)}:${String(Math.floor(s % 60)).padStart(2, "0")}`;
@@ -21,7 +21,7 @@ export class Timeline {
   private length = 0;      // s, estimated from the share of bytes read
   private sliding = false;
 
-  constructor(order: (order: PlayOrder) => void, goLive: () => void) {
+  constructor(order: (order: PlaybackCommand) => void, goLive: () => void) {
     byId("pause").onclick = () => this.playback && order(this.playback.ended ? { position: 0 } : { pause: !this.playback.paused });
     byId("speed").onclick = () => {
       const next = kSpeeds[(kSpeeds.indexOf(this.playback?.speed ?? 1) + 1) % kSpeeds.length];

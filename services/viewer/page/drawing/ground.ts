@@ -17,7 +17,7 @@ export interface Look {
   range: [number, number];  // m, ends of the height ramp
   now: number;              // us, reference time of the ages
   grey: number;             // 0 .. 1: how stale the data are
-  hasty: boolean;           // draws the tilted view coarser and faster
+  draft: boolean;           // draws the tilted view coarser and faster
   paper: Rgb;
 }
 
@@ -81,7 +81,7 @@ export class Ground {
       const curbs = look.curbs ? [...unit(classColours(look.theme, look.mode)[2]!), 1] : null;
       const markings = look.markings ? [...unit(kPaint[look.theme]), 1] : null;
       this.relief ??= new Relief(gl, world, this.pages, this.isSlow);
-      this.relief.draw(camera, program => this.style(program, look), paint, look.grid, isPlain(look), curbs, markings, look.grey, look.hasty);
+      this.relief.draw(camera, program => this.style(program, look), paint, look.grid, isPlain(look), curbs, markings, look.grey, look.draft);
     } else if (look.grid) {
       this.drawPages(camera, look, paint);
     }

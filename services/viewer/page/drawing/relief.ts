@@ -13,9 +13,9 @@ import { netIndices, netPoints, Seen, squaresInView } from "./terrain";
 import { World } from "../world";
 
 const kReach = 6;             // times the eye's distance
-const kMostNets = 600;        // bound of the kept ones
-const kMostFaces = 16_383;    // per square, for 16 bit indices
-const kCoarseNet = 5;         // in haste, every fifth point of a mesh
+const kMaxNets = 600;         // bound of the kept ones
+const kMaxFaces = 16_383;     // per square, for 16 bit indices
+const kCoarseNet = 5;         // in draft mode, every fifth point of a mesh
 const kFineCell = 1, kCoarseCell = 0.5;  // pixels per cell from which boxes are drawn
 
 /// What a machine can draw in time.
@@ -60,8 +60,8 @@ export class Relief {
   markingsChanged(): void { this.strips.points = kOther; }
 
   /// `style` sets the uniforms of kPicture; `paint` brings a page's picture up to date; `isPlain`: not coloured by age
-  /// and not grey; `curbs`, `markings`: their colours, or null; `isHasty`: coarser.
-  draw(camera: Camera, style: (program: Program) => void, paint: Paint, cells: boolean, isPlain: boolean, curbs: number[] | null, markings: number[] | null, grey: number, isHasty: boolean): void {
+  /// and not grey; `curbs`, `markings`: their colours, or null; `isDraft`: coarser.
+  draw(camera: Camera, style: (program: Program) => void, paint: Paint, cells: boolean, isPlain: boolean, curbs: number[] | null, markings: number[] | null, grey: number, isDraft: boolean): void {
     const { gl } = this, toClip = camera.matrix();
     ++this.picture;
     gl.enable(gl.DEPTH_TEST);
@@ -76,7 +76,7 @@ export class Relief {
       };
       const net = isPlain ? this.net.plain : this.net.any;
       use(net);
-      this.eachPage(net, camera, seen, pictures, ({ square }) => this.drawNet(square, isHasty ? this.nets.coarse : this.nets.fine));
+      this.eachPage(net, camera, seen, pictures, ({ square }) => this.drawNet(square, isDraft ? this.nets.coarse : this.nets.fine));
       use(this.block);
       gl.enable(gl.CULL_FACE);
       let left = this.budget.faces;
@@ -135,7 +135,7 @@ export class Relief {
     for (let i = 0; i < aside * aside; ++i) {
       const tile = page.tiles[(row + (i >> level)) * kTilesAside + column + i % aside];
       const part = tile && this.blocks.facesOf(tile, coarse);
-      if (!part || part.length === 0 || size + part.length > kMostFaces * kFaceFloats) continue;
+      if (!part || part.length === 0 || size + part.length > kMaxFaces * kFaceFloats) continue;
       parts.push(part);
       size += part.length;
     }
@@ -162,8 +162,8 @@ export class Relief {
 
   /// When too much is kept, discards what was not drawn for the longest time.
   private forget(): void {
-    if (this.kept.size <= kMostNets) return;
-    const oldest = [...this.kept].sort((a, b) => a.used - b.used).slice(0, kMostNets / 4);
+    if (this.kept.size <= kMaxNets) return;
+    const oldest = [...this.kept].sort((a, b) => a.used - b.used).slice(0, kMaxNets / 4);
     for (const square of oldest) if (square.used < this.picture) this.drop(square);
   }
 
@@ -206,7 +206,7 @@ function byPage(seen: Seen[]): Map<Page, Seen[]> {
 }
 
 function faceIndices(): Uint16Array {
-  const indices = new Uint16Array(6 * kMostFaces);
-  for (let i = 0; i < kMostFaces; ++i) [0, 1, 2, 1, 3, 2].forEach((corner, n) => { indices[6 * i + n] = 4 * i + corner; });
+  const indices = new Uint16Array(6 * kMaxFaces);
+  for (let i = 0; i < kMaxFaces; ++i) [0, 1, 2, 1, 3, 2].forEach((corner, n) => { indices[6 * i + n] = 4 * i + corner; });
   return indices;
 }

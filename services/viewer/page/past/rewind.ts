@@ -1,5 +1,5 @@
 // Switches the page between the live world and the history. Received frames are always processed.
-import { PlayOrder } from "../cards/timeline";
+import { PlaybackCommand } from "../cards/timeline";
 import { readFrame } from "../decode";
 import { Playback, World } from "../world";
 import { History } from "./history";
@@ -45,7 +45,7 @@ export class Rewind {
       paused: this.isPaused, ended: false };
   }
 
-  order({ pause, speed, position }: PlayOrder): void {
+  order({ pause, speed, position }: PlaybackCommand): void {
     if (speed !== undefined) this.speed = speed;
     if (position !== undefined) this.seek((this.history.oldest ?? 0) + position * 1000);
     if (pause !== undefined) {

@@ -1,7 +1,7 @@
 // An IMU whose stamps a busy host made.
 #include <gtest/gtest.h>
 
-#include "services/ekf/inputs/stamp_straightener.hpp"
+#include "services/ekf/inputs/stamp_smoother.hpp"
 #include "tests/services/ekf/drawn_drives.hpp"
 #include "tests/services/ekf/ground_error.hpp"
 #include "tests/services/ekf/late_stamps.hpp"
@@ -45,7 +45,7 @@ TEST_P(LateImuStamps, StraightenedCostNextToNothing) {
       Drive drive = good;
       make_late(drive.imu, late, 1);
       const ImuStampOutcome as_they_come = imu_stamp_outcome(drive);
-      inputs::StampStraightener straightener;
+      inputs::StampSmoother straightener;
       for (std::size_t i = 0; i < drive.imu.size(); ++i)
         drive.imu[i].utime = straightener.add(drive.imu[i].utime, static_cast<std::int32_t>(i));
       const ImuStampOutcome undisturbed = imu_stamp_outcome(good);

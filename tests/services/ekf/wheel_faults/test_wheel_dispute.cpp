@@ -20,12 +20,12 @@ constexpr std::array<bool, 2> kBoth = {true, true};
 struct Dispute {
   explicit Dispute(const RecentSpeeds::Leap& leap = {}) : of({kPatience, kTrack}, 0, leap) {}
   void step(std::array<double, 2> speed, double expected, std::array<bool, 2> trusted = kBoth) {
-    WheelLook look;
-    look.begin = now;
-    look.end = now += kSampling;
-    look.speed = speed;
-    look.expected = {expected, expected};
-    of.add(look, trusted);
+    WheelObservation observation;
+    observation.begin = now;
+    observation.end = now += kSampling;
+    observation.speed = speed;
+    observation.expected = {expected, expected};
+    of.add(observation, trusted);
   }
   void run(double seconds, std::array<double, 2> speed, double expected, std::array<bool, 2> trusted = kBoth) {
     for (int i = 0; i < static_cast<int>(seconds * 20 + 0.5); ++i) step(speed, expected, trusted);
@@ -162,12 +162,12 @@ TEST(WheelDisputeTest, WheelsThatStandStillLeadItAstrayByNoMoreThanTwiceItsWay) 
   EXPECT_NEAR(dispute.of.filter_error(10.0).position, 20.0 + 3 * 5.2, 1e-6);
 }
 
-WheelLook speeds(double wheels, double imu, std::int64_t end = 0) {
-  WheelLook look;
-  look.end = end;
-  look.speed = {wheels, wheels};
-  look.inertial_speed = imu;
-  return look;
+WheelObservation speeds(double wheels, double imu, std::int64_t end = 0) {
+  WheelObservation observation;
+  observation.end = end;
+  observation.speed = {wheels, wheels};
+  observation.inertial_speed = imu;
+  return observation;
 }
 
 TEST(RecentSpeedsTest, TellWhoseSpeedHasLeapt) {

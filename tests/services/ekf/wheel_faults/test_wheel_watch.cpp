@@ -18,16 +18,17 @@ struct Drive {
   std::int64_t time = 0;
   double yaw_rate = 0;
   void step(std::array<double, 2> speed, double expected) {
-    WheelLook look;
-    look.begin = time;
-    look.end = time += kWatchPeriod;
-    look.speed = speed;
-    look.expected = {expected - 0.5 * kTrackWidth * yaw_rate, expected + 0.5 * kTrackWidth * yaw_rate};
-    look.sigma = {0.03, 0.03};
-    for (std::size_t i = 0; i < 2; ++i) look.refused[i] = std::abs(speed[i] - look.expected[i]) > 8 * 0.03;
-    look.yaw_rate = yaw_rate;
-    look.inertial_speed = expected;
-    watch.add(look);
+    WheelObservation observation;
+    observation.begin = time;
+    observation.end = time += kWatchPeriod;
+    observation.speed = speed;
+    observation.expected = {expected - 0.5 * kTrackWidth * yaw_rate, expected + 0.5 * kTrackWidth * yaw_rate};
+    observation.sigma = {0.03, 0.03};
+    for (std::size_t i = 0; i < 2; ++i)
+      observation.refused[i] = std::abs(speed[i] - observation.expected[i]) > 8 * 0.03;
+    observation.yaw_rate = yaw_rate;
+    observation.inertial_speed = expected;
+    watch.add(observation);
   }
   void run(double seconds, std::array<double, 2> speed, double expected) {
     for (int i = 0; i < static_cast<int>(seconds * 20 + 0.5); ++i) step(speed, expected);

@@ -87,8 +87,8 @@ TEST(SavedMap, KeepsWhatIsAboutTheVehicleAndSaysTheSameAsOneThatKeepsAll) {
     }
     most = std::max(most, map.kept());
   }
-  EXPECT_LE(most, SavedMap::kMostKept);
-  EXPECT_GT(reads, static_cast<int>(SavedMap::kMostKept)) << "so that it had to make room";
+  EXPECT_LE(most, SavedMap::kMaxKept);
+  EXPECT_GT(reads, static_cast<int>(SavedMap::kMaxKept)) << "so that it had to make room";
   EXPECT_EQ(map.unreadable(), 0U);
 }
 

@@ -51,7 +51,7 @@ TEST(LocalScan, IsBounded) {
   LocalScan scan;
   const auto points = points_in(Yard{}, Pose::Identity());
   for (int i = 0; i < 100; ++i) scan.add(points, Pose::Identity());
-  EXPECT_EQ(scan.revolutions(), LocalScan::kMostRevolutions);
+  EXPECT_EQ(scan.revolutions(), LocalScan::kMaxRevolutions);
   EXPECT_EQ(scan.plan(Pose::Identity(), 30, 50).size(), 50U);
   EXPECT_TRUE(LocalScan().plan(Pose::Identity(), 30, 50).empty());
 }

@@ -18,11 +18,11 @@ using test_yard::Yard;
 std::vector<Eigen::Vector2d> plan_from(const Yard& yard, const Pose& T_map_base) {
   LocalScan scan;
   scan.add(points_in(yard, T_map_base), Pose::Identity());
-  return scan.plan(Pose::Identity(), SearchRegion::kSight, MapSearch::kMostPlaces);
+  return scan.plan(Pose::Identity(), SearchRegion::kSight, MapSearch::kMaxPlaces);
 }
 
 std::vector<Candidate> candidates_of(MapSearch& search, std::int64_t piece) {
-  while (search.go_on(piece)) {
+  while (search.advance(piece)) {
   }
   return search.candidates();
 }
@@ -93,7 +93,7 @@ TEST(MapSearch, FindsTheSameInPiecesOfAnySize) {
 TEST(MapSearch, DoesALittleOfTheWorkAtATime) {
   const fields::SavedMap map(map_of(Yard{}));
   MapSearch search(plan_from(Yard{}, Pose::Identity()), map);
-  ASSERT_TRUE(search.go_on(20'000'000));
+  ASSERT_TRUE(search.advance(20'000'000));
   EXPECT_LT(search.lookups(), 20'000'000 + 11'000'000) << "a region's lattices may be the last piece";
 }
 

@@ -34,7 +34,7 @@ TEST(Tracker, FollowsADriveAndIsSureAfterHalfASecond) {
   for (int i = 0; i < 60; ++i) {
     truth = truth * ahead().T_last_base;
     tracker.track(points_in(yard, truth), ahead(), map);
-    EXPECT_EQ(tracker.lost(), i + 1 < Tracker::kInARow) << i;
+    EXPECT_EQ(tracker.lost(), i + 1 < Tracker::kConfirmations) << i;
     EXPECT_LT(error_between(truth, tracker.belief().T_map_base).head<2>().norm(), 0.03) << i;
   }
 }
@@ -213,7 +213,7 @@ TEST(Tracker, AGapInOdometryIsSurvived) {
   blind.with_odometry = false;
   blind.seconds = 3;
   tracker.track(points_in(yard, truth), blind, map);
-  for (int i = 0; i < Tracker::kInARowAgain; ++i) tracker.track(points_in(yard, truth), Motion{}, map);
+  for (int i = 0; i < Tracker::kReconfirmations; ++i) tracker.track(points_in(yard, truth), Motion{}, map);
   EXPECT_FALSE(tracker.lost());
   EXPECT_LT(error_between(truth, tracker.belief().T_map_base).head<2>().norm(), 0.03);
 }

@@ -40,7 +40,7 @@ class VehicleCellsTest : public ::testing::Test {
   }
 
  private:
-  VehicleMemo memo_;
+  VehicleCache memo_;
 };
 
 TEST_F(VehicleCellsTest, AreThoseOfWhatStandsNowWhateverWasAskedBefore) {

@@ -49,7 +49,7 @@ TEST(HeightStep, IsFoundWithItsHeightAndItsUncertainty) {
   EXPECT_LT(step->sigma, 0.006);
   EXPECT_NEAR(step->roughness, kNoise, 0.003);
   EXPECT_NEAR(step->at, 0, 0.031);
-  EXPECT_GT(look_at_sides(points, *step, {}).clear, 0.06);
+  EXPECT_GT(evaluate_sides(points, *step, {}).clear, 0.06);
 }
 
 TEST(HeightStep, IsNotSeenInASlope) {
@@ -72,7 +72,7 @@ TEST(HeightStep, OfALayerThatEndsDoesNotPartTheTwoSides) {
   for (double u = 0.02; u < 0.4; u += 0.08) ground.line(u, [](double, double) { return 0.05; });
   const auto layers = find_height_step(ground.points, kNoise, {});
   ASSERT_TRUE(layers);
-  EXPECT_LT(look_at_sides(ground.points, *layers, {}).clear, 0.4 * layers->height);
+  EXPECT_LT(evaluate_sides(ground.points, *layers, {}).clear, 0.4 * layers->height);
 }
 
 /// Two scan lines on even ground that run aslant through the window. Range noise moves their points along beams that

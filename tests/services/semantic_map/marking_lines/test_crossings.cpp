@@ -42,7 +42,7 @@ std::vector<float> places_of(const tile::MarkingLine& crossing) {
 
 TEST(Crossings, AreBarsSideBySide) {
   auto pieces = bars(4);
-  const auto crossings = take_crossings(pieces);
+  const auto crossings = extract_crossings(pieces);
   ASSERT_THAT(crossings, SizeIs(1));
   EXPECT_THAT(places_of(crossings[0]), ElementsAre(0, 1, 2, 3));
   EXPECT_FLOAT_EQ(crossings[0].width, 4);
@@ -51,7 +51,7 @@ TEST(Crossings, AreBarsSideBySide) {
 
 TEST(Crossings, AreNotTwoBars) {
   auto pieces = bars(2);
-  EXPECT_THAT(take_crossings(pieces), IsEmpty());
+  EXPECT_THAT(extract_crossings(pieces), IsEmpty());
   EXPECT_THAT(pieces, SizeIs(2));
 }
 
@@ -60,7 +60,7 @@ TEST(Crossings, HaveTheBarsOfWhichOnlyAPartIsSeen) {
   pieces.push_back(straight({0.8, 3}, {2, 3}, 0.5));    // the next one
   pieces.push_back(straight({-2, -1}, {-1, -1}, 0.5));  // and one on the other side, in two parts
   pieces.push_back(straight({0.2, -1}, {1.5, -1}, 0.5));
-  const auto crossings = take_crossings(pieces);
+  const auto crossings = extract_crossings(pieces);
   ASSERT_THAT(crossings, SizeIs(1));
   EXPECT_THAT(places_of(crossings[0]), ElementsAre(-1, 0, 1, 2, 3));
   for (const tile::MarkingVertex& v : crossings[0].points) EXPECT_NEAR(v.x, 0, 1e-6) << "in the middle of the way";
@@ -71,7 +71,7 @@ TEST(Crossings, HaveTheBarsOfWhichOnlyAPartIsSeen) {
 TEST(Crossings, AreAsWideAsTheBarsThatAreWhole) {
   auto pieces = bars(3);
   for (const double y : {3.0, 4.0, 5.0, 6.0}) pieces.push_back(straight({1, y}, {2, y}, 0.5));
-  const auto crossings = take_crossings(pieces);
+  const auto crossings = extract_crossings(pieces);
   ASSERT_THAT(crossings, SizeIs(1));
   EXPECT_THAT(places_of(crossings[0]), SizeIs(7));
   EXPECT_FLOAT_EQ(crossings[0].width, 4);
@@ -80,7 +80,7 @@ TEST(Crossings, AreAsWideAsTheBarsThatAreWhole) {
 TEST(Crossings, HaveNothingAcrossTheirBars) {
   auto pieces = bars(5);
   pieces.push_back(straight({-1.5, 0.8}, {-1.5, 2.2}, 0.25));
-  EXPECT_THAT(take_crossings(pieces), SizeIs(1));
+  EXPECT_THAT(extract_crossings(pieces), SizeIs(1));
   EXPECT_THAT(pieces, IsEmpty());
 }
 
@@ -89,7 +89,7 @@ TEST(Crossings, LeaveTheStopLineBeforeThemAndTheLinesThatEndThere) {
   pieces.push_back(straight({-3, 0}, {-3, 4}, 0.4));
   pieces.push_back(straight({1.9, 2}, {12, 2}, 0.15));
   pieces.push_back(straight({-2, 5.9}, {2, 5.9}, 0.15));  // an edge line as long as they are: too narrow for a bar
-  EXPECT_THAT(take_crossings(pieces), SizeIs(1));
+  EXPECT_THAT(extract_crossings(pieces), SizeIs(1));
   EXPECT_THAT(pieces, SizeIs(3));
 }
 

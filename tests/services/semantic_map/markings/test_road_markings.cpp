@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "services/semantic_map/map_lines.hpp"
-#include "services/semantic_map/marking_lines/cut_lines.hpp"
+#include "services/semantic_map/marking_lines/clip_lines.hpp"
 #include "services/semantic_map/marking_lines/marking_lines.hpp"
 #include "services/semantic_map/nearby_markings.hpp"
 #include "services/semantic_map/pipeline/tile_pipeline.hpp"
@@ -246,7 +246,7 @@ TEST(CutLines, EndOnTheBoxsEdgeAndKeepTheirGaps) {
   line.width = 0.12F;
   for (int i = 0; i <= 10; ++i)
     line.points.push_back({static_cast<float>(i), 1, 0.1F * static_cast<float>(i), i % 2 == 0});
-  const auto parts = marking_lines::cut_lines({line}, {2.5, 0.0}, {6.25, 5.0});
+  const auto parts = marking_lines::clip_lines({line}, {2.5, 0.0}, {6.25, 5.0});
   ASSERT_EQ(parts.size(), 1U);
   EXPECT_EQ(parts[0].type, MarkingType::kDashed);
   const std::vector<tile::MarkingVertex> expected = {{2.5F, 1, 0.25F, true}, {3, 1, 0.3F, false},
@@ -264,14 +264,14 @@ TEST(CutLines, OfALineThatLeavesAndComesBackAreTwoAndOfOneBesideTheBoxNone) {
   MarkingLine line;
   for (const auto& [x, y] : {std::pair{0.F, 0.F}, {4.F, 0.F}, {4.F, 2.F}, {0.F, 2.F}})
     line.points.push_back({x, y, 0, true});
-  EXPECT_EQ(marking_lines::cut_lines({line}, {-1.0, -1.0}, {3.0, 3.0}).size(), 2U);
-  EXPECT_EQ(marking_lines::cut_lines({line}, {-9.0, -9.0}, {9.0, 9.0}), std::vector<MarkingLine>{[&] {
+  EXPECT_EQ(marking_lines::clip_lines({line}, {-1.0, -1.0}, {3.0, 3.0}).size(), 2U);
+  EXPECT_EQ(marking_lines::clip_lines({line}, {-9.0, -9.0}, {9.0, 9.0}), std::vector<MarkingLine>{[&] {
               MarkingLine whole = line;
               whole.points.back().painted = false;
               return whole;
             }()});
-  EXPECT_TRUE(marking_lines::cut_lines({line}, {-9.0, 0.5}, {3.0, 1.5}).empty());
-  EXPECT_TRUE(marking_lines::cut_lines({MarkingLine{}}, {-9.0, -9.0}, {9.0, 9.0}).empty());
+  EXPECT_TRUE(marking_lines::clip_lines({line}, {-9.0, 0.5}, {3.0, 1.5}).empty());
+  EXPECT_TRUE(marking_lines::clip_lines({MarkingLine{}}, {-9.0, -9.0}, {9.0, 9.0}).empty());
 }
 
 TEST(MarkingLineIds, StayWithTheLineWhileItGrows) {

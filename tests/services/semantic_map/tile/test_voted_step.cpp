@@ -48,7 +48,7 @@ TEST(VotedStep, ATensorOfAPointThatNeverCameChangesNothing) {
     const VotedStep empty = step_of(base, 300'000, 0, 299'999);
     const auto step = VotedTileAssembler().add(empty.pages[0], counters);
     ASSERT_TRUE(step) << "it adds up";
-    ASSERT_TRUE(goes_on_from(*step, &tile));
+    ASSERT_TRUE(continues(*step, &tile));
     take_step(*step, tile);
     EXPECT_EQ(tile.points.size(), before);
   }

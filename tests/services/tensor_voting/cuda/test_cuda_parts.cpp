@@ -48,10 +48,10 @@ TEST(CudaCellGrid, EndsWhereItsBitsEnd) {
   EXPECT_TRUE(grid.contains(0, last, last));
   EXPECT_FALSE(grid.contains(0, last + 1, 0));
   EXPECT_FALSE(grid.contains(0, 0, last + 1));
-  EXPECT_LT(grid.key(0, last, last), CellGrid::kNobody);
+  EXPECT_LT(grid.key(0, last, last), CellGrid::kNoCell);
   const std::uint64_t corner = grid.key(0, last, last);
   for (int row = 0; row < CellGrid::kRows; ++row) {
-    EXPECT_LE(grid.voters_in_row(corner, corner, row).high, CellGrid::kNobody);
+    EXPECT_LE(grid.voters_in_row(corner, corner, row).high, CellGrid::kNoCell);
   }
   EXPECT_LT(grid.key(-1, 0, 0), grid.key(0, 0, 0));
   EXPECT_LT(grid.key(5000, -1, 0), grid.key(-5000, 0, 0));

@@ -28,7 +28,7 @@ TEST(RendezvousOwners, EveryTileHasExactlyOneOwnerAndAllDoTheirShare) {
   std::set<TileKey> all;
   for (const auto& self : names) {
     RendezvousOwners workers(self, 2 * kSecond);
-    for (const auto& name : names) workers.heard(name, 0);
+    for (const auto& name : names) workers.on_heartbeat(name, 0);
     EXPECT_TRUE(workers.update(0));
     const auto tiles = owned(workers);
     EXPECT_GT(tiles.size(), 1600U) << "of 6400";
@@ -43,24 +43,24 @@ TEST(RendezvousOwners, OnlyTheTilesOfWhoComesOrGoesMove) {
   RendezvousOwners workers("b", 2 * kSecond);
   EXPECT_EQ(owned(workers).size(), 6400U) << "alone";
   EXPECT_FALSE(workers.update(0));
-  workers.heard("a", 0);
+  workers.on_heartbeat("a", 0);
   EXPECT_EQ(owned(workers).size(), 6400U) << "owners change with update(), not between";
   EXPECT_TRUE(workers.update(0));
   EXPECT_FALSE(workers.update(kSecond));
   const auto with_a = owned(workers);
-  workers.heard("c", kSecond);
+  workers.on_heartbeat("c", kSecond);
   EXPECT_TRUE(workers.update(kSecond));
   for (const TileKey& key : owned(workers)) EXPECT_TRUE(with_a.contains(key)) << "nothing moves between a and b";
-  workers.heard("a", 3 * kSecond);
+  workers.on_heartbeat("a", 3 * kSecond);
   EXPECT_TRUE(workers.update(4 * kSecond)) << "c has been silent for too long";
   EXPECT_EQ(owned(workers), with_a);
 }
 
 TEST(RendezvousOwners, OneselfIsAlwaysAliveAndStrangersAreBounded) {
   RendezvousOwners workers("a", kSecond);
-  workers.heard("a", 0);
+  workers.on_heartbeat("a", 0);
   EXPECT_FALSE(workers.update(0));
-  for (int i = 0; i < 1000; ++i) workers.heard("stranger " + std::to_string(i), 0);
+  for (int i = 0; i < 1000; ++i) workers.on_heartbeat("stranger " + std::to_string(i), 0);
   EXPECT_TRUE(workers.update(0));
   EXPECT_EQ(workers.count(), RendezvousOwners::kMaxWorkers + 1);
 }

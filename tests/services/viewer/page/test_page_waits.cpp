@@ -40,10 +40,10 @@ TEST_F(PageArrives, AndDrawsItsFirstPictureOnceThoughTheMapComesInTenFrames) {
   static_assert(kTiles >= 10 * static_cast<int>(frames::PageFeed::kMaxWholeTiles));
   for (int i = 0; i < kTiles; ++i) put(tile_of(i % 32, i / 32, semantic_tile_t::ROAD));
   open("follow=0&theme=light");
-  ASSERT_TRUE(browser->comes_to("curbstone.arrival.shown"));
+  ASSERT_TRUE(browser->comes_to("curbstone.initialLoad.shown"));
   // Twice a second it draws what has come, whoever waits so long; and once more at its beginning, when its size is
   // known.
-  EXPECT_LE(browser->evaluate("curbstone.arrival.parts - curbstone.arrival.asked").get<int>(), 1);
+  EXPECT_LE(browser->evaluate("curbstone.initialLoad.parts - curbstone.initialLoad.asked").get<int>(), 1);
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ void RawClient::shrink_receive_buffer() {
   setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &size, sizeof size);
 }
 
-bool RawClient::say(std::string_view bytes) {
+bool RawClient::send_bytes(std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t n = send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
     if (n <= 0) return false;
@@ -113,7 +113,7 @@ std::string RawClient::upgrade(const std::string& host, const std::string& origi
                         "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
   if (!origin.empty()) request += "Origin: " + origin + "\r\n";
   if (!extensions.empty()) request += "Sec-WebSocket-Extensions: " + extensions + "\r\n";
-  say(request + "\r\n");
+  send_bytes(request + "\r\n");
   std::string head;
   char c = 0;
   while (head.find("\r\n\r\n") == std::string::npos && recv(fd_, &c, 1, 0) == 1) head += c;
@@ -134,13 +134,13 @@ bool RawClient::say_first_byte_and(char first, std::string_view text) {
     bytes += static_cast<char>(text.size() & 0xff);
   }
   bytes += std::string(4, '\0');  // a mask that changes nothing
-  return say(bytes + std::string(text));
+  return send_bytes(bytes + std::string(text));
 }
 
 bool RawClient::say_message_head(std::uint64_t length) {
   std::string bytes = "\x81\xff";
   for (int shift = 56; shift >= 0; shift -= 8) bytes += static_cast<char>(length >> shift & 0xff);
-  return say(bytes + std::string(4, '\0'));
+  return send_bytes(bytes + std::string(4, '\0'));
 }
 
 std::string get(const std::string& target, const std::string& host, const std::string& method) {

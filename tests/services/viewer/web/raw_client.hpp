@@ -17,7 +17,7 @@ class RawClient {
   RawClient& operator=(const RawClient&) = delete;
 
   /// False: the server has closed the connection.
-  bool say(std::string_view bytes);
+  bool send_bytes(std::string_view bytes);
   /// What comes until the server closes the connection, or nothing came for `quiet` ms: for who asks again.
   std::string hear(int quiet);
   /// A whole HTTP answer, with as many bytes behind its head as that says; less if the server closes the connection, or

@@ -57,7 +57,7 @@ class HostileClients : public ::testing::Test {
   void expect_service() {
     EXPECT_TRUE(comes_to([&] {
       RawClient visitor(server_->port());
-      visitor.say(get("/", host_));
+      visitor.send_bytes(get("/", host_));
       return visitor.hear_answer().find("200 OK") != std::string::npos;
     }));
   }
@@ -85,9 +85,9 @@ TEST_F(HostileClients, RequestsThatTrickleOnEveryConnectionThereIs) {
   std::thread slowloris([&] {
     std::vector<RawClient> crowd;
     for (int i = 0; i < 60; ++i) crowd.emplace_back(server_->port());
-    for (auto& client : crowd) client.say("GET / HTTP/1.1\r\nHost: " + host_ + "\r\nX: ");
+    for (auto& client : crowd) client.send_bytes("GET / HTTP/1.1\r\nHost: " + host_ + "\r\nX: ");
     while (!stop) {
-      for (auto& client : crowd) client.say("x");
+      for (auto& client : crowd) client.send_bytes("x");
       std::this_thread::sleep_for(50ms);
     }
   });
@@ -106,7 +106,7 @@ TEST_F(HostileClients, GiantFramesOneAfterAnother) {
     RawClient giant(server_->port());
     ASSERT_THAT(giant.upgrade(host_, "http://" + host_), StartsWith("HTTP/1.1 101")) << i;
     giant.say_message_head(std::uint64_t{1} << (20 + i));
-    giant.say(std::string(20'000, 'x'));
+    giant.send_bytes(std::string(20'000, 'x'));
     EXPECT_TRUE(giant.is_closed_within(20)) << i;
   }
   EXPECT_TRUE(comes_to([&] { return counted("refused.messages") == 30; })) << counted("refused.messages");
@@ -129,7 +129,7 @@ TEST_F(HostileClients, NamesThatWereBoundToThisAddress) {
                                           "localhost."};
   for (const std::string& name : names) {
     RawClient visitor(server_->port());
-    visitor.say(get("/", name));
+    visitor.send_bytes(get("/", name));
     EXPECT_THAT(visitor.hear_answer(), HasSubstr(" 403 ")) << name;
     RawClient rebound(server_->port());
     EXPECT_THAT(rebound.upgrade(name, "http://" + name), HasSubstr(" 403 ")) << name;

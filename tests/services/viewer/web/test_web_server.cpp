@@ -62,7 +62,7 @@ class WebServerTest : public ::testing::Test {
   [[nodiscard]] RawClient connect() const { return RawClient(server_->port()); }
   std::string ask(const std::string& request) {
     RawClient client = connect();
-    client.say(request);
+    client.send_bytes(request);
     return client.hear_answer(!request.starts_with("HEAD "));
   }
   RawClient open_page() {
@@ -75,8 +75,8 @@ class WebServerTest : public ::testing::Test {
     for (int i = 0; i < 1000 && !condition(); ++i) std::this_thread::sleep_for(10ms);
     return condition();
   }
-  std::vector<Audience::Event> wait_for_events(std::size_t n) {
-    std::vector<Audience::Event> events;
+  std::vector<Connections::Event> wait_for_events(std::size_t n) {
+    std::vector<Connections::Event> events;
     comes_to([&] {
       for (auto& event : server_->take_events()) events.push_back(std::move(event));
       return events.size() >= n;
@@ -151,7 +151,7 @@ TEST_F(WebServerTest, TellsTheNodeWhatPagesSayAndSendsThemFrames) {
   page.say_message("hello");
   auto events = wait_for_events(2);
   ASSERT_EQ(events.size(), 2U);
-  EXPECT_EQ(events[0].kind, Audience::Event::Kind::kCame);
+  EXPECT_EQ(events[0].kind, Connections::Event::Kind::kConnected);
   EXPECT_EQ(events[1].text, "hello");
   EXPECT_EQ(events[0].page, events[1].page);
   server_->send(events[0].page, std::make_shared<std::vector<std::uint8_t>>(std::vector<std::uint8_t>{1, 2, 3}));
@@ -160,7 +160,7 @@ TEST_F(WebServerTest, TellsTheNodeWhatPagesSayAndSendsThemFrames) {
   { const RawClient gone = std::move(page); }
   events = wait_for_events(1);
   ASSERT_EQ(events.size(), 1U);
-  EXPECT_EQ(events[0].kind, Audience::Event::Kind::kLeft);
+  EXPECT_EQ(events[0].kind, Connections::Event::Kind::kDisconnected);
 }
 
 TEST_F(WebServerTest, ARequestThatTricklesIsCutOff) {
@@ -168,9 +168,9 @@ TEST_F(WebServerTest, ARequestThatTricklesIsCutOff) {
   start();
   RawClient slow = connect();
   const auto begin = std::chrono::steady_clock::now();
-  bool is_open = slow.say("GET / HTTP/1.1\r\nHost: ");
+  bool is_open = slow.send_bytes("GET / HTTP/1.1\r\nHost: ");
   while (is_open && std::chrono::steady_clock::now() - begin < 20s) {
-    is_open = slow.say("x");
+    is_open = slow.send_bytes("x");
     std::this_thread::sleep_for(50ms);
   }
   EXPECT_FALSE(is_open);
@@ -181,8 +181,8 @@ TEST_F(WebServerTest, ARequestThatTricklesIsCutOff) {
 TEST_F(WebServerTest, AHeadHasAnEnd) {
   start();
   RawClient client = connect();
-  client.say("GET / HTTP/1.1\r\nHost: " + host_ + "\r\n");
-  for (int i = 0; i < 100; ++i) client.say("X-Long: " + std::string(1000, 'x') + "\r\n");
+  client.send_bytes("GET / HTTP/1.1\r\nHost: " + host_ + "\r\n");
+  for (int i = 0; i < 100; ++i) client.send_bytes("X-Long: " + std::string(1000, 'x') + "\r\n");
   EXPECT_TRUE(client.is_closed_within(20));
   EXPECT_TRUE(comes_to([&] { return counted("refused.request") == 1; }));
   EXPECT_THAT(ask(get("/", host_)), StartsWith("HTTP/1.1 200"));
@@ -199,7 +199,7 @@ TEST_F(WebServerTest, AGiantMessageEndsThePage) {
   start();
   RawClient page = open_page();
   page.say_message_head(std::uint64_t{1} << 40);
-  page.say(std::string(5000, 'x'));
+  page.send_bytes(std::string(5000, 'x'));
   EXPECT_TRUE(page.is_closed_within(20));
   EXPECT_TRUE(comes_to([&] { return counted("refused.messages") == 1; }));
   RawClient other = open_page();
@@ -271,7 +271,7 @@ TEST_F(WebServerTest, APageThatIsGoneWithoutAWordIsNoticed) {
   const RawClient page = open_page();  // it answers no ping
   const auto events = wait_for_events(2);
   ASSERT_EQ(events.size(), 2U);
-  EXPECT_EQ(events[1].kind, Audience::Event::Kind::kLeft);
+  EXPECT_EQ(events[1].kind, Connections::Event::Kind::kDisconnected);
 }
 
 TEST_F(WebServerTest, SoManyPagesMayWatchAndNoMore) {

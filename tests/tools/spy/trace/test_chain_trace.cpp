@@ -120,7 +120,7 @@ TEST(ChainTrace, AnyBytesAreSurvivedAndMemoryIsBounded) {
     hear(trace, i % 2 == 0 ? "LIDAR_POINTS" : "SERVICE_STATUS", bytes, kStart);
     hear(trace, "C" + std::to_string(i), pose(kStart), kStart);
   }
-  EXPECT_LE(trace.channels().size(), ChainTrace::kMostChannels);
+  EXPECT_LE(trace.channels().size(), ChainTrace::kMaxChannels);
   EXPECT_TRUE(Json::accept(trace_json(trace)));
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/geometry/geometry.hpp"
-#include "tools/bench/curbs/scenes/worse_scan.hpp"
+#include "tools/bench/curbs/scenes/degraded_scan.hpp"
 
 namespace curbstone::bench::curbs::scenes {
 

@@ -28,7 +28,7 @@ class VotingChain {
       const auto step = assembler_.add(page, refused_);
       if (!step) return;
       semantic_map::tile::VotedTile& tile = tiles_[step->key];
-      if (semantic_map::tile::goes_on_from(*step, &tile)) semantic_map::tile::take_step(*step, tile);
+      if (semantic_map::tile::continues(*step, &tile)) semantic_map::tile::take_step(*step, tile);
     });
     listener.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& m) {
       Pose T = Pose::Identity();

@@ -51,7 +51,7 @@ class MappingVehicle {
     mapper_.connect(bus_);
   }
 
-  void hear(const LogEvent& event) {
+  void on_message(const LogEvent& event) {
     const std::int64_t now = message_time(event);
     if (now - ticked_ > 50 * kTick) ticked_ = now - kTick;  // at the beginning, or after a gap
     while (ticked_ + kTick <= now) tick(ticked_ += kTick);
@@ -81,7 +81,7 @@ void drive_and_map(const DriveSource& source, const DriveListener& listener) {
   if (source.log.empty()) record_town_log(source.seed, source.seconds, recorded.path());
   output::WatchedLog reader(source.log.empty() ? recorded.path() : source.log, "bench voting");
   MappingVehicle vehicle(listener);
-  output::read_in_order(reader, output::is_of_a_driver, [&](const LogEvent& event) { vehicle.hear(event); });
+  output::read_in_order(reader, output::is_of_a_driver, [&](const LogEvent& event) { vehicle.on_message(event); });
 }
 
 }  // namespace curbstone::bench::voting::inputs

@@ -1,0 +1,297 @@
+#include "services/semantic_map/marking_lines/piece_sequences.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+#include "common/tiles/tile.hpp"
+#include "services/semantic_map/curb_lines/joints.hpp"
+
+namespace curbstone::semantic_map::marking_lines {
+namespace {
+
+using curb_lines::Joint;
+using curb_lines::kFree;
+using curb_lines::SmoothingSpline;
+using tile::MarkingType;
+
+constexpr double kLongestGap = 9.0;   // m
+constexpr double kGapOfLength = 4.0;  // longest gap, in lengths of the shorter piece
+constexpr double kOffEnd = 0.12;      // m off each other's line, plus a share of the gap
+constexpr double kOffEndShare = 0.06;
+constexpr double kAlikeEnds = 0.94;  // cosine between an end's direction and the way across
+constexpr double kWidthAlike = 2.2;
+constexpr double kVertexSpacing = 0.20;  // m between vertices
+constexpr double kGapSpacing = 1.0;      // m between vertices where there is no paint
+constexpr double kSolid = 4.2;           // m: a longer piece is not a dash
+constexpr double kShortSolid = 3.0;      // m: a line of pieces with holes
+constexpr double kHole = 0.6;            // m: in a line that is worn
+constexpr double kWornShare = 0.8;       // painted, of a line that is worn
+constexpr double kDashUneven = 0.4;      // of the median
+constexpr double kDashOfGap = 2.2;       // longest dash, in lengths of its gaps: with longer ones the gaps are holes
+constexpr double kLongestDash = 6.5;     // m
+constexpr double kStopWidth = 0.24;      // m
+constexpr double kShortestStop = 1.5;    // m
+constexpr double kLongestStop = 15.0;    // m
+constexpr double kStopReach = 8.0;       // m from the driven path
+constexpr double kStopAcross = 0.5;      // cosine to the path
+constexpr double kBlobLength = 1.5;      // m: shorter and as wide as that is an arrow or a letter
+constexpr double kBlobWidth = 0.3;       // m
+
+// Ends of pieces are numbered as in joints.hpp.
+bool is_first(std::size_t end) {
+  return end == curb_lines::first_end(curb_lines::piece_of(end));
+}
+const MarkingPiece& piece_at(const std::vector<MarkingPiece>& pieces, std::size_t end) {
+  return pieces[curb_lines::piece_of(end)];
+}
+const Eigen::Vector2d& at(const std::vector<MarkingPiece>& pieces, std::size_t end) {
+  return is_first(end) ? piece_at(pieces, end).begin_at : piece_at(pieces, end).end_at;
+}
+const Eigen::Vector2d& out(const std::vector<MarkingPiece>& pieces, std::size_t end) {
+  return is_first(end) ? piece_at(pieces, end).begin_direction : piece_at(pieces, end).end_direction;
+}
+
+/// Distance of two ends, if each points at the other; otherwise infinity.
+double gap_between(const std::vector<MarkingPiece>& pieces, std::size_t a, std::size_t b) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const MarkingPiece& p = piece_at(pieces, a);
+  const MarkingPiece& q = piece_at(pieces, b);
+  const Eigen::Vector2d d = at(pieces, b) - at(pieces, a);
+  const double gap = d.norm();
+  if (gap > std::min(kLongestGap, kGapOfLength * std::min(p.length(), q.length()))) return kNone;
+  // A solid line goes over into a dashed one.
+  if ((p.length() > kLongestDash) != (q.length() > kLongestDash) && gap > kHole) return kNone;
+  if (std::max(p.width, q.width) > kWidthAlike * std::min(p.width, q.width)) return kNone;
+  const Eigen::Vector2d& from = out(pieces, a);
+  const Eigen::Vector2d& to = out(pieces, b);
+  if (-from.dot(to) < kAlikeEnds) return kNone;
+  if (d.dot(from) < -0.1 || d.dot(to) > 0.1) return kNone;
+  const auto off = [&](const Eigen::Vector2d& direction) {
+    return std::abs(d.x() * direction.y() - d.y() * direction.x());
+  };
+  if (std::max(off(from), off(to)) > kOffEnd + kOffEndShare * gap + gap * (1 - kAlikeEnds)) return kNone;
+  return gap;
+}
+
+MarkingPiece reversed(MarkingPiece piece) {
+  const double last = piece.samples.back().s;
+  std::reverse(piece.samples.begin(), piece.samples.end());
+  for (auto& sample : piece.samples) sample.s = last - sample.s;
+  std::swap(piece.begin_at, piece.end_at);
+  std::swap(piece.begin_direction, piece.end_direction);
+  std::tie(piece.begin, piece.end) = std::tuple(last - piece.end, last - piece.begin);
+  return piece;
+}
+
+bool is_uniform(const std::vector<double>& values) {
+  const double median = median_of(values);
+  const auto alike = std::count_if(values.begin(), values.end(),
+                                   [&](double v) { return std::abs(v - median) <= kDashUneven * median; });
+  return 3 * static_cast<std::size_t>(alike) >= 2 * values.size();
+}
+
+/// Whether dashes and gaps repeat. Of many dashes the first and last are ignored, for the line may be cut off there.
+bool are_periodic(const std::vector<double>& dashes, const std::vector<double>& gaps) {
+  const std::vector<double> inner =
+      dashes.size() > 3 ? std::vector<double>(dashes.begin() + 1, dashes.end() - 1) : dashes;
+  return is_uniform(inner) && is_uniform(gaps);
+}
+
+bool lies_across(const MarkingPiece& piece, const tile::DrivenPath& path) {
+  const auto way = path.direction_near(piece.middle(), kStopReach);
+  return way && std::abs(way->dot(piece.direction())) < kStopAcross;
+}
+
+/// The type of a sequence of pieces, from lengths and gaps (m).
+MarkingType type_of(const PieceSequence& sequence, const std::vector<double>& dashes, const std::vector<double>& gaps,
+                    const tile::DrivenPath& path) {
+  const MarkingPiece& piece = sequence.front();
+  const double painted = std::accumulate(dashes.begin(), dashes.end(), 0.0);
+  const double open = std::accumulate(gaps.begin(), gaps.end(), 0.0);
+  const double length = painted + open;
+  const double longest = *std::max_element(dashes.begin(), dashes.end());
+  const double longest_gap = gaps.empty() ? 0 : *std::max_element(gaps.begin(), gaps.end());
+  const bool is_whole = painted >= kWornShare * length || longest_gap <= kHole;
+  std::vector<double> widths;
+  for (const MarkingPiece& p : sequence) widths.push_back(p.width);
+  if (is_whole && median_of(widths) >= kStopWidth && length >= kShortestStop && length <= kLongestStop &&
+      lies_across(piece, path))
+    return MarkingType::kStopLine;
+  if (is_whole && length >= (sequence.size() > 1 ? kShortSolid : kSolid)) return MarkingType::kSolid;
+  const bool has_holes = sequence.size() > 1 && median_of(dashes) > kDashOfGap * median_of(gaps);
+  if (sequence.size() > 1 && longest <= kLongestDash && !has_holes && are_periodic(dashes, gaps))
+    return MarkingType::kDashed;
+  if (longest >= kSolid) return MarkingType::kSolid;  // no dash, however much of the line is hidden
+  if (painted >= 0.6 * length && length >= kShortSolid && has_holes) return MarkingType::kSolid;
+  if (sequence.size() == 1 && piece.length() < kBlobLength && piece.width > kBlobWidth) return MarkingType::kOther;
+  return MarkingType::kUnknown;
+}
+
+/// Whether the segment from a to b crosses the bars of a crossing.
+bool is_across(const tile::MarkingLine& crossing, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const auto place = [](const tile::MarkingVertex& v) { return Eigen::Vector2d(double{v.x}, double{v.y}); };
+  const auto side = [](const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Eigen::Vector2d& at) {
+    const Eigen::Vector2d way = to - from;
+    const Eigen::Vector2d d = at - from;
+    return way.x() * d.y() - way.y() * d.x();
+  };
+  const Eigen::Vector2d first = place(crossing.points.front());
+  const Eigen::Vector2d last = place(crossing.points.back());
+  return side(first, last, a) * side(first, last, b) < 0 && side(a, b, first) * side(a, b, last) < 0;
+}
+
+/// All pairs of ends that point at each other.
+std::vector<Joint> find_joints(const std::vector<MarkingPiece>& pieces,
+                               const std::vector<tile::MarkingLine>& crossings) {
+  const auto square = [&](std::size_t end) {
+    const Eigen::Vector2d& p = at(pieces, end);
+    return TileKey{static_cast<std::int32_t>(std::floor(p.x() / kLongestGap)),
+                   static_cast<std::int32_t>(std::floor(p.y() / kLongestGap))};
+  };
+  std::unordered_map<TileKey, std::vector<std::size_t>, TileKeyHash> grid;
+  for (std::size_t end = 0; end < 2 * pieces.size(); ++end) grid[square(end)].push_back(end);
+  std::vector<Joint> joints;
+  const auto try_square = [&](std::size_t a, TileKey key) {
+    const auto it = grid.find(key);
+    if (it == grid.end()) return;
+    for (const std::size_t b : it->second) {
+      if (b <= a || curb_lines::piece_of(a) == curb_lines::piece_of(b)) continue;
+      const double gap = gap_between(pieces, a, b);
+      const bool is_open = std::isfinite(gap) && std::none_of(crossings.begin(), crossings.end(), [&](const auto& c) {
+                             return is_across(c, at(pieces, a), at(pieces, b));
+                           });
+      if (is_open) joints.push_back({gap, a, b});
+    }
+  };
+  for (std::size_t a = 0; a < 2 * pieces.size(); ++a) {
+    const TileKey centre = square(a);
+    for (std::int32_t x = centre.x - 1; x <= centre.x + 1; ++x) {
+      for (std::int32_t y = centre.y - 1; y <= centre.y + 1; ++y) try_square(a, {x, y});
+    }
+  }
+  return joints;
+}
+
+/// Follows joints from a free end, each piece in the direction in which it is entered.
+PieceSequence follow(std::size_t end, const std::vector<MarkingPiece>& pieces,
+                     const std::vector<std::size_t>& partner) {
+  PieceSequence sequence;
+  for (; end != kFree; end = partner[curb_lines::opposite(end)])
+    sequence.push_back(is_first(end) ? piece_at(pieces, end) : reversed(piece_at(pieces, end)));
+  return sequence;
+}
+
+/// Begin and end of the paint along a sequence, m, piece by piece, and the samples of all pieces.
+struct LaidOutSequence {
+  struct Painted {
+    double begin, end;
+  };
+  std::vector<Painted> painted;
+  std::vector<SmoothingSpline::Sample> samples;
+};
+
+LaidOutSequence lay_out(const PieceSequence& sequence) {
+  LaidOutSequence laid;
+  double offset = 0;
+  for (std::size_t k = 0; k < sequence.size(); ++k) {
+    const MarkingPiece& piece = sequence[k];
+    if (k > 0) offset = laid.painted.back().end + (piece.begin_at - sequence[k - 1].end_at).norm() - piece.begin;
+    laid.painted.push_back({offset + piece.begin, offset + piece.end});
+    for (SmoothingSpline::Sample sample : piece.samples) {
+      sample.s += offset;
+      laid.samples.push_back(sample);
+    }
+  }
+  return laid;
+}
+
+/// Vertices along the spline: dense on paint, sparse in gaps.
+std::vector<tile::MarkingVertex> vertices_of(const SmoothingSpline& spline,
+                                             const std::vector<LaidOutSequence::Painted>& painted) {
+  std::vector<tile::MarkingVertex> vertices;
+  const auto add = [&](double s, bool is_painted) {
+    // Beyond the samples a line is extended straight.
+    const double inside = std::clamp(s, spline.begin(), spline.end());
+    const SmoothingSpline::Values values = spline.at(inside);
+    const Eigen::Vector2d along = spline.derivative(inside).head<2>().normalized();
+    vertices.push_back(vertex(values.head<2>() + (s - inside) * along, values.z(), is_painted));
+  };
+  const auto add_between = [&](double from, double to, double spacing, bool is_painted, bool with_end) {
+    const int steps = std::max(1, static_cast<int>(std::ceil((to - from) / spacing - 1e-9)));
+    for (int i = 0; i < steps + (with_end ? 1 : 0); ++i) add(from + (to - from) * i / steps, is_painted && i < steps);
+  };
+  for (std::size_t k = 0; k < painted.size(); ++k) {
+    const bool is_last = k + 1 == painted.size();
+    add_between(painted[k].begin, painted[k].end, kVertexSpacing, true, is_last);
+    if (!is_last) add_between(painted[k].end, painted[k + 1].begin, kGapSpacing, false, false);
+  }
+  return vertices;
+}
+
+}  // namespace
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+tile::MarkingVertex vertex(const Eigen::Vector2d& at, double z, bool painted) {
+  return {static_cast<float>(at.x()), static_cast<float>(at.y()), static_cast<float>(z), painted};
+}
+
+float confidence_of(double contrast, float length) {
+  constexpr double kHalf = 15;  // contrast of what is as likely a patch of another asphalt
+  const double squared = contrast * contrast;
+  return static_cast<float>(squared / (squared + kHalf * kHalf) * (1 - std::exp(-double{length})));
+}
+
+std::vector<PieceSequence> join_pieces(const std::vector<MarkingPiece>& pieces,
+                                       const std::vector<tile::MarkingLine>& crossings) {
+  const std::vector<std::size_t> partner =
+      curb_lines::join_shortest_first(pieces.size(), find_joints(pieces, crossings));
+  std::vector<PieceSequence> sequences;
+  std::vector<bool> is_used(pieces.size());
+  for (std::size_t end = 0; end < 2 * pieces.size(); ++end) {
+    if (partner[end] != kFree || is_used[curb_lines::piece_of(end)]) continue;
+    for (std::size_t on = end; on != kFree; on = partner[curb_lines::opposite(on)])
+      is_used[curb_lines::piece_of(on)] = true;
+    sequences.push_back(follow(end, pieces, partner));
+  }
+  return sequences;
+}
+
+tile::MarkingLine line_of(const PieceSequence& sequence, const tile::DrivenPath& path) {
+  const auto [painted, samples] = lay_out(sequence);
+  std::vector<double> dashes;
+  std::vector<double> gaps;
+  std::vector<double> widths;
+  double contrast = 0;
+  double length = 0;
+  for (std::size_t k = 0; k < sequence.size(); ++k) {
+    dashes.push_back(painted[k].end - painted[k].begin);
+    if (k + 1 < sequence.size()) gaps.push_back(painted[k + 1].begin - painted[k].end);
+    widths.push_back(sequence[k].width);
+    contrast += sequence[k].contrast * sequence[k].length();
+    length += sequence[k].length();
+  }
+  tile::MarkingLine line;
+  line.points = vertices_of(SmoothingSpline(samples), painted);
+  line.type = type_of(sequence, dashes, gaps, path);
+  line.width = static_cast<float>(median_of(widths));
+  if (line.type == MarkingType::kDashed) {
+    line.dash = static_cast<float>(median_of(dashes));
+    line.gap = static_cast<float>(median_of(gaps));
+  }
+  line.confidence = confidence_of(contrast / length, static_cast<float>(length));
+  return line;
+}
+
+}  // namespace curbstone::semantic_map::marking_lines
