@@ -86,7 +86,8 @@ void MountingWatch::check(const Interval& interval) {
 
 /// Slip looks like anything for a while: kStretches in a row must agree.
 void MountingWatch::check_turn(const Interval& interval) {
-  turn_scale_.add(interval.seconds, interval.speed, interval.wheel_rate, interval.gyro_rate);
+  turn_scale_.add(interval.seconds, interval.speed, interval.wheel_rate, interval.gyro_rate,
+                  interval.force - Eigen::Vector2d(mean_force_.real(), mean_force_.imag()));
   turn_.add(interval.seconds, interval.speed, interval.wheel_rate, interval.gyro_rate);
   if (turn_.turn() < kMinTurn) return;
   const TurnFit turn = std::exchange(turn_, {});

@@ -45,16 +45,23 @@ class TurnFit {
 /// Detects that the wheels turn by another multiple than 1 of the gyro's turn, in all but one of the last stretches of
 /// turning: the track width is wrong (that of a skid steer is not the distance of its wheels), or the gyro's scale is.
 /// The sensors do not show which. If the gyro does not turn at all the multiple is kGyroNotTurning; if it turns far
-/// more than the wheels, kGyroTooFast. A value type; one thread.
+/// more than the wheels, kGyroTooFast.
+///
+/// A gyro that does not turn while the wheels do is right if a wheel slips. A vehicle that turns is accelerated
+/// sideways, by its speed times its yaw rate: without that force the stretch does not count.
+///
+/// A value type; one thread.
 class TurnScale {
  public:
   static constexpr double kMaxScaleError = 0.12;  ///< margin for slip and for a track width measured by hand
   static constexpr double kGyroNotTurning = 100.0;
   static constexpr double kGyroTooFast = 0.0;
 
-  /// As TurnFit::add().
-  void add(double seconds, double speed, double wheel_rate, double gyro_rate) {
+  /// As TurnFit::add(). `force`: the level part of the specific force, without
+  /// what is constant, m/s^2.
+  void add(double seconds, double speed, double wheel_rate, double gyro_rate, const Eigen::Vector2d& force) {
     check_gyro_too_fast(seconds, speed, wheel_rate, gyro_rate);
+    sideways_.add(seconds, speed * wheel_rate, force);
     fit_.add(seconds, speed, wheel_rate, gyro_rate);
     const bool turns = std::max(fit_.turn(), fit_.wheel_turn()) >= kMinTurn;
     if (turns && fit_.seconds() >= kMinSeconds) judge_stretch();
@@ -77,7 +84,8 @@ class TurnScale {
   static constexpr double kMinTurn = 0.05;    // rad^2/s: 9 deg/s for 2 s
   static constexpr double kMinSeconds = 2.0;  // s: slip is shorter than most of the stretches together
   static constexpr double kExplained = 0.9;
-  static constexpr double kStill = 0.02;  // of the wheels' square
+  static constexpr double kStill = 0.02;     // of the wheels' square
+  static constexpr double kSideways = 0.35;  // of the acceleration that the wheels' turn calls for
   static constexpr std::size_t kStretches = 5;
   static constexpr double kMaxScale = 5.0;
   static constexpr double kTooFast = 0.4;     // rad/s, in addition to kMaxScale times the wheels' rate
@@ -95,7 +103,7 @@ class TurnScale {
     const bool gyro_turned = fit_.turn() >= kMinTurn;
     const bool only_wheels_turned = fit_.turn() < kStill * fit_.wheel_turn();
     if (only_wheels_turned && !gyro_turns_) {
-      add_gain(kGyroNotTurning);
+      if (sideways_.share() > kSideways) add_gain(kGyroNotTurning);
     } else if (!gyro_turned) {
       return;  // the stretch continues
     } else if (fit_.explained() > kExplained) {
@@ -103,6 +111,7 @@ class TurnScale {
       gyro_turns_ = gyro_turns_ || is_plausible(fit_.gain());
     }
     fit_ = {};
+    sideways_ = {};
   }
   void add_gain(double gain) {
     std::rotate(gains_.begin(), gains_.begin() + 1, gains_.end());
@@ -110,7 +119,20 @@ class TurnScale {
     gain_count_ = std::min(gain_count_ + 1, kStretches);
   }
 
+  /// Compares the force with the sideways acceleration that the wheels' turn calls for, m/s^2.
+  struct Sideways {
+    double square = 0.0;  // of that acceleration, integrated over time
+    Eigen::Vector2d product = Eigen::Vector2d::Zero();
+    void add(double seconds, double by_wheels, const Eigen::Vector2d& force) {
+      square += seconds * by_wheels * by_wheels;
+      product += seconds * by_wheels * force;
+    }
+    /// 1 in a turn, 0 in a slip.
+    [[nodiscard]] double share() const { return product.norm() / std::max(square, 1e-9); }
+  };
+
   TurnFit fit_;
+  Sideways sideways_;
   std::array<double, kStretches> gains_{};
   std::size_t gain_count_ = 0;
   double too_fast_for_ = 0.0;  // s
