@@ -23,7 +23,7 @@ import { saveCanvases } from "./drawing/save_picture";
 import { Sheet } from "./drawing/sheet";
 import { TiltedMarks } from "./drawing/tilted_marks";
 import { Tilting } from "./drawing/tilting";
-import { byId, fixed, seconds, setText } from "./format";
+import { byId, fixed, seconds } from "./format";
 import { listen } from "./gestures";
 import { listenToKeys } from "./keys";
 import { Rewind } from "./past/rewind";
