@@ -177,7 +177,7 @@ Tracked Tracker::conclude(std::int64_t utime, Attempt found) {
   tracked.fix = trust_.fix();
   tracked.sparse = found.sparse;
   tracked.registered = found.believed || tracked.anew;
-  tracked.maps = tracked.registered && trust_.tracking();
+  tracked.maps = tracked.registered && trust_.tracking() && !mount_.shakes();
   tracked.points = share(std::move(found.fit.points));
   return tracked;
 }
