@@ -3,10 +3,8 @@
 #include "services/ekf/mounting/mounting_watch.hpp"
 
 #include <array>
-#include <cmath>
 #include <numbers>
 #include <random>
-#include <utility>
 
 #include "tests/services/ekf/drawn_drives.hpp"
 #include "tests/services/ekf/ekf_node_test.hpp"
@@ -276,48 +274,6 @@ TEST(MountingWatchTest, NothingIsSaidOfWheelsThatSlipForSeconds) {
     MountingWatch of{VehicleConfig()};
     EXPECT_FALSE(watch(of, simulate_drive(o, VehicleConfig())).any()) << seed;
     EXPECT_NEAR(of.wrong_turn_scale().value_or(1 + o.wheel_scale[2]), 1 + o.wheel_scale[2], 0.1) << seed;
-  }
-}
-
-/// A wheel that spun for half a second each ten, before the first bend, had the gyro switched off for the drive: F1 of
-/// the curbs .01.
-TEST(MountingWatchTest, AWheelThatSlipsAgainAndAgainOnAStraightRoadIsNotTheGyro) {
-  for (const double period : {2.0, 10.0}) {
-    for (const unsigned seed : {1U, 2U, 3U}) {
-      DriveOptions o;
-      o.seed = seed;
-      o.seconds = 90;
-      o.speed = 3;
-      o.curves = 0.0;
-      Drive drive = simulate_drive(o, VehicleConfig());
-      double slipped = 0.0;  // rad
-      double before = drive.wheels.front().angle[0];
-      for (base::WheelSample& sample : drive.wheels) {
-        const double turned = sample.angle[0] - std::exchange(before, sample.angle[0]);
-        const double t = base::seconds_between(drive.wheels.front().utime, sample.utime);
-        if (std::fmod(t, period) < 0.5) slipped += 0.6 * turned;
-        sample.angle[0] += slipped;
-      }
-      MountingWatch of{VehicleConfig()};
-      (void)watch(of, drive);
-      EXPECT_FALSE(of.gyro_is_wrong()) << period << ' ' << seed;
-    }
-  }
-}
-
-TEST(MountingWatchTest, AGyroThatShowsNoTurnIsReported) {
-  for (const unsigned number : {1U, 2U, 3U}) {
-    const Drive good = town(number, 3.0, 200.0);
-    Drive in_another_unit = good, noise = good;
-    std::mt19937 random(number);
-    std::normal_distribution<double> draw(0.0, 0.003);
-    for (base::ImuSample& sample : in_another_unit.imu) sample.angular_rate.z() /= 57.3;
-    for (base::ImuSample& sample : noise.imu) sample.angular_rate.z() = draw(random);
-    for (const Drive& drive : {in_another_unit, noise}) {
-      MountingWatch of{VehicleConfig()};
-      (void)watch(of, drive);
-      EXPECT_TRUE(of.gyro_is_wrong()) << number;
-    }
   }
 }
 
