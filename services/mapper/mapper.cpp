@@ -37,7 +37,8 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::
   const auto T_odom_base = is_witness ? std::optional(odometry.at(scan.end)) : std::nullopt;
   if (tracked->began) standstill_ = Standstill::at(tracked->utime, tracked->T_map_base);
 
-  // Not sought while registration follows something beside the vehicle: that looks the same everywhere.
+  // Not sought while registration follows something beside the vehicle, which looks the same everywhere, nor with scans
+  // of a LiDAR that shakes.
   const bool is_sought = tracked->fix == tracking::Fix::kLost && !tracked->sparse && !tracker_.turns_otherwise() &&
                          !tracker_.mount().shakes();
   const auto relocalised = is_sought ? relocalise(*tracked, T_odom_base) : std::nullopt;

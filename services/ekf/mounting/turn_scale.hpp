@@ -57,8 +57,7 @@ class TurnScale {
   static constexpr double kGyroNotTurning = 100.0;
   static constexpr double kGyroTooFast = 0.0;
 
-  /// As TurnFit::add(). `force`: the level part of the specific force, without
-  /// what is constant, m/s^2.
+  /// As TurnFit::add(). `force`: the level part of the specific force, m/s^2, without what is constant, as tilt is.
   void add(double seconds, double speed, double wheel_rate, double gyro_rate, const Eigen::Vector2d& force) {
     check_gyro_too_fast(seconds, speed, wheel_rate, gyro_rate);
     sideways_.add(seconds, speed * wheel_rate, force);
@@ -91,6 +90,18 @@ class TurnScale {
   static constexpr double kTooFast = 0.4;     // rad/s, in addition to kMaxScale times the wheels' rate
   static constexpr double kTooFastFor = 1.0;  // s, for that long
   static constexpr double kDriving = 0.3;     // m/s
+  /// Compares the force with the sideways acceleration that the wheels' turn calls for, m/s^2.
+  struct Sideways {
+    double square = 0.0;  // of that acceleration, integrated over time
+    Eigen::Vector2d product = Eigen::Vector2d::Zero();
+    void add(double seconds, double by_wheels, const Eigen::Vector2d& force) {
+      square += seconds * by_wheels * by_wheels;
+      product += seconds * by_wheels * force;
+    }
+    /// 1 in a turn, 0 in a slip.
+    [[nodiscard]] double share() const { return product.norm() / std::max(square, 1e-9); }
+  };
+
   /// A gyro in another unit exceeds the wheels' yaw rate by far: kTooFastFor of it is enough.
   void check_gyro_too_fast(double seconds, double speed, double wheel_rate, double gyro_rate) {
     const bool too_fast = std::abs(gyro_rate) > kTooFast + kMaxScale * std::abs(wheel_rate);
@@ -118,18 +129,6 @@ class TurnScale {
     gains_.back() = gain;
     gain_count_ = std::min(gain_count_ + 1, kStretches);
   }
-
-  /// Compares the force with the sideways acceleration that the wheels' turn calls for, m/s^2.
-  struct Sideways {
-    double square = 0.0;  // of that acceleration, integrated over time
-    Eigen::Vector2d product = Eigen::Vector2d::Zero();
-    void add(double seconds, double by_wheels, const Eigen::Vector2d& force) {
-      square += seconds * by_wheels * by_wheels;
-      product += seconds * by_wheels * force;
-    }
-    /// 1 in a turn, 0 in a slip.
-    [[nodiscard]] double share() const { return product.norm() / std::max(square, 1e-9); }
-  };
 
   TurnFit fit_;
   Sideways sideways_;

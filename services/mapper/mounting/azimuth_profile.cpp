@@ -12,11 +12,12 @@ constexpr float kSlope = 0.03F;        // and more, farther off
 constexpr float kNear = 1.5F;          // m
 constexpr float kFar = 60.0F;          // m
 constexpr float kOtherSurface = 1.0F;  // m: ranges that differ by more belong to different surfaces
-constexpr std::size_t kLeastRanges = 300;
-constexpr std::size_t kSearched = 500;  // ranges
-constexpr double kUsual = 1.2;
+constexpr std::size_t kMinRanges = 300;
+constexpr std::size_t kSearched = 500;  // ranges that a search uses; all are used to refine
+constexpr double kNearUsual = 1.2;      // times the usual residual
 
-/// The bin of a direction. The arctangent is a polynomial, good to 3e-4 rad, as the C library's takes most of the time.
+/// The bin of a direction. The arctangent is a polynomial, good to 1e-4 rad: this is most of the time that a profile
+/// takes.
 std::size_t bin_of(const Eigen::Vector2f& p) {
   const float x = std::abs(p.x()), y = std::abs(p.y());
   const float ratio = std::min(x, y) / std::max({x, y, 1e-6F}), square = ratio * ratio;
@@ -51,27 +52,27 @@ AzimuthProfile::AzimuthProfile(const std::vector<scan::LidarPoint>& points, cons
 
 /// Searches with some of the ranges, and refines with all.
 std::optional<AzimuthProfile::Turn> AzimuthProfile::turn_since(const AzimuthProfile& earlier, double usual) const {
-  if (size() < kLeastRanges || earlier.size() < kLeastRanges) return std::nullopt;
-  const double none = disagreement(earlier, 0);
+  if (size() < kMinRanges || earlier.size() < kMinRanges) return std::nullopt;
+  const double at_zero = residual(earlier, 0);
   int best = 0;
-  if (none > kUsual * usual) {
+  if (at_zero > kNearUsual * usual) {
     const std::size_t stride = std::max<std::size_t>(size() / kSearched, 1);
-    double least = disagreement(earlier, 0, stride);
-    for (int bins = -kMostBins; bins <= kMostBins; ++bins) {
-      const double there = disagreement(earlier, bins, stride);
-      if (there < least) least = there, best = bins;
+    double least = residual(earlier, 0, stride);
+    for (int bins = -kMaxTurn; bins <= kMaxTurn; ++bins) {
+      const double found = residual(earlier, bins, stride);
+      if (found < least) least = found, best = bins;
     }
   }
-  const double at = best == 0 ? none : disagreement(earlier, best);
-  const double before = disagreement(earlier, best - 1), after = disagreement(earlier, best + 1);
+  const double at = best == 0 ? at_zero : residual(earlier, best);
+  const double before = residual(earlier, best - 1), after = residual(earlier, best + 1);
   const double bend = before - 2 * at + after;
   const double beside = bend > 0 ? std::clamp(0.5 * (before - after) / bend, -1.0, 1.0) : 0;  // a parabola's vertex
-  return Turn{(best + beside) * kBin, at, none};
+  return Turn{(best + beside) * kBin, at, at_zero};
 }
 
-/// Mean difference of the ranges, if this profile has turned by `bins`: 0 the same, 1 different surfaces. Uses one
+/// Mean difference of the ranges, in kOtherSurface, if this profile has turned by `bins`. Uses one
 /// range of `stride`.
-double AzimuthProfile::disagreement(const AzimuthProfile& earlier, int bins, std::size_t stride) const {
+double AzimuthProfile::residual(const AzimuthProfile& earlier, int bins, std::size_t stride) const {
   double sum = 0;
   for (std::size_t i = 0; i < seen_.size(); i += stride) {
     const std::uint32_t here = seen_[i];

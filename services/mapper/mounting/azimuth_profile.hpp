@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -15,8 +16,8 @@ namespace curbstone::mapper::mounting {
 class AzimuthProfile {
  public:
   static constexpr int kBins = 720;
-  static constexpr double kBin = 0.0087266462599716;  ///< rad
-  static constexpr int kMostBins = 48;                ///< largest turn that is searched for
+  static constexpr double kBin = 2 * std::numbers::pi / kBins;  ///< rad
+  static constexpr int kMaxTurn = 48;                           ///< bins, largest turn that is searched for
 
   /// `points`: de-skewed, in base_link. The profile is seen from `lidar` (m) in the frame that `T_there_base` leads to.
   AzimuthProfile(const std::vector<scan::LidarPoint>& points, const Pose& T_there_base, const Eigen::Vector3d& lidar);
@@ -25,16 +26,16 @@ class AzimuthProfile {
   [[nodiscard]] std::size_t size() const { return seen_.size(); }
   /// Result of a comparison.
   struct Turn {
-    double angle = 0;  ///< rad, to the left: turning this profile back by it gives the best agreement
-    double there = 0;  ///< 0..1: disagreement of the profiles at this angle,
-    double none = 0;   ///< and without a turn
+    double angle = 0;             ///< rad, to the left: turning this profile back by it gives the best agreement
+    double residual = 0;          ///< 0 (the same) .. 1 (other surfaces), of the profiles at this angle
+    double residual_at_zero = 0;  ///< the same without a turn
   };
-  /// The turn of this profile against an earlier one from the same place. Nothing if either has too few ranges. If the
-  /// profiles agree about as well as is `usual` here, no turn of more than a bin is searched for.
+  /// The turn of this profile against an earlier one from the same place. Nothing if either has too few ranges. No turn
+  /// of more than a bin is searched for if the residual is near `usual`, that of scans which lately showed no turn.
   [[nodiscard]] std::optional<Turn> turn_since(const AzimuthProfile& earlier, double usual = 0) const;
 
  private:
-  [[nodiscard]] double disagreement(const AzimuthProfile& earlier, int bins, std::size_t stride = 1) const;
+  [[nodiscard]] double residual(const AzimuthProfile& earlier, int bins, std::size_t stride = 1) const;
 
   std::vector<float> ranges_;        // m, by laser and azimuth; 0: none
   std::vector<std::uint32_t> seen_;  // indices of those that are not 0

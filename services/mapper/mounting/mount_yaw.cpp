@@ -11,14 +11,15 @@ namespace curbstone::mapper::mounting {
 namespace {
 
 constexpr std::size_t kApart = 2;  // scans: one during which it turns agrees neither with the one before nor after
-constexpr double kClear = 0.9;     // of the disagreement without a turn, at most
+constexpr int kRest = 3;           // still scans in a row: where a swing turns back, one or two look so
+constexpr double kClear = 0.9;     // of the residual without a turn, at most
 constexpr std::int64_t kLongestPause = 300'000;  // us
 constexpr std::int64_t kPatience = 500'000;      // us until it must be still
-constexpr double kSlower = 1.01;                 // how fast the usual disagreement may grow, a scan
+constexpr double kUsualGrowth = 1.01;            // of the usual residual, a scan
 constexpr std::int64_t kCreepSpan = 1'000'000;   // us: a turn is gradual if before it,
 constexpr double kCreep = 3 * MountYaw::kTurn;   // it already turned by this much
-constexpr std::int64_t kSoon = 3'000'000;        // us: kMany turns within it are a shake,
-constexpr std::size_t kMany = 4;
+constexpr std::int64_t kShakeSpan = 3'000'000;   // us: kShakeTurns turns within it are a shake,
+constexpr std::size_t kShakeTurns = 4;
 constexpr std::int64_t kQuiet = 2'000'000;  // us without a turn: it shakes no more
 
 double in_degrees(double rad) {
@@ -26,7 +27,7 @@ double in_degrees(double rad) {
 }
 
 bool is_turn(const AzimuthProfile::Turn& turn) {
-  return std::abs(turn.angle) > MountYaw::kTurn && turn.there < kClear * turn.none;
+  return std::abs(turn.angle) > MountYaw::kTurn && turn.residual < kClear * turn.residual_at_zero;
 }
 
 }  // namespace
@@ -49,16 +50,16 @@ MountYaw::Sight MountYaw::add(const Look& look) {
   const bool creeps = crept() > kCreep;
   creeping_.emplace_back(utime_, std::clamp(turn->angle / kApart, -kTurn, kTurn));  // a leap is no creep
   if (is_turning) turning_ = utime_;
-  if (is_still) usual_ = usual_ > 0 ? std::min(turn->there, kSlower * usual_) : turn->there;
+  if (is_still) usual_ = usual_ > 0 ? std::min(turn->residual, kUsualGrowth * usual_) : turn->residual;
   if (is_still) gave_up_ = false;
+  still_ = is_still ? still_ + 1 : 0;
   if (shakes_) return Sight::kUnsure;
 
   if (!before_) {
     if (gave_up_ || creeps || !is_turning) return Sight::kFirm;
     before_ = std::move(earlier);
     doubt_since_ = utime_;
-    in_doubt_ = 0;
-  } else if (is_still && in_doubt_ >= static_cast<int>(kApart)) {
+  } else if (still_ >= kRest) {
     const auto since = turn_since(*before_, look);
     before_.reset();
     return since ? conclude(*since) : Sight::kFirm;
@@ -68,11 +69,10 @@ MountYaw::Sight MountYaw::add(const Look& look) {
     gave_up_ = true;
     return Sight::kFirm;
   }
-  ++in_doubt_;
   return Sight::kUnsure;
 }
 
-/// rad, the turn of the last second.
+/// rad, the turn of the last second, without leaps.
 double MountYaw::crept() {
   while (!creeping_.empty() && std::abs(utime_ - creeping_.front().first) > kCreepSpan) creeping_.pop_front();
   double sum = 0;
@@ -83,10 +83,10 @@ double MountYaw::crept() {
 /// The LiDAR is still again. `since`: the turn since before.
 MountYaw::Sight MountYaw::conclude(const AzimuthProfile::Turn& since) {
   if (!is_turn(since)) return Sight::kFirm;
-  while (!turns_.empty() && std::abs(utime_ - turns_.front()) > kSoon) turns_.pop_front();
+  while (!turns_.empty() && std::abs(utime_ - turns_.front()) > kShakeSpan) turns_.pop_front();
   if (turns_.empty()) quiet_yaw_ = yaw_;
   turns_.push_back(utime_);
-  if (turns_.size() >= kMany) return begin_to_shake();
+  if (turns_.size() >= kShakeTurns) return begin_to_shake();
   counters_.add("faults.lidar.turned_in_mount");
   if (turned_ == 0 || utime_ - turned_ > kReportedFor) largest_ = 0;
   turned_ = utime_;

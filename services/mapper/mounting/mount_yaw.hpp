@@ -70,9 +70,9 @@ class MountYaw {
   std::deque<Earlier> earlier_;                           // the last two scans
   std::optional<Earlier> before_;                         // the scan before those that are in doubt
   std::int64_t doubt_since_ = 0;                          // us
-  int in_doubt_ = 0;                                      // scans
+  int still_ = 0;                                         // scans in a row that show no turn
   std::deque<std::pair<std::int64_t, double>> creeping_;  // us, rad: turn between two scans, for a second
-  double usual_ = 0;                                      // disagreement of two scans that show no turn, lately
+  double usual_ = 0;                                      // residual of two scans that show no turn, lately
   bool gave_up_ = false;      // what turns may be odometry: scans are used until it has stopped
   std::int64_t turning_ = 0;  // us, the last scan that shows a turn
   bool shakes_ = false;

@@ -93,7 +93,7 @@ Tracker::Attempt Tracker::attempt(const scan::Scan& scan, const scan::OdometryHi
   const bool guided = expected.with_odometry;
   if (first_ && !guided) return judged(matcher_.fit_second(from, *first_, scan));
   Attempt first = judged(matcher_.fit(from, scan, std::move(expected), motion_));
-  if (guided && !is_mount_firm(first, scan, odometry)) return first;
+  if (guided && !check_mount(first, scan, odometry)) return first;
   if (first.believed) return first;
   Attempt second = guided ? attempt_without_odometry(from, scan) : attempt_from_afar(from, scan);
   return second.believed ? second : first;

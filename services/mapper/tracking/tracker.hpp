@@ -142,7 +142,7 @@ class Tracker {
   [[nodiscard]] Attempt attempt_without_odometry(const Departure& from, const scan::Scan& scan);
   [[nodiscard]] Attempt attempt_from_afar(const Departure& from, const scan::Scan& scan);
   [[nodiscard]] bool turns_steadily(std::int64_t from, std::int64_t to, const scan::OdometryHistory& odometry) const;
-  [[nodiscard]] bool is_mount_firm(Attempt& found, const scan::Scan& scan, const scan::OdometryHistory& odometry);
+  [[nodiscard]] bool check_mount(Attempt& found, const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] bool contradicts_odometry(const Attempt& found, const scan::Scan& scan,
                                           const scan::OdometryHistory& odometry) const;
   [[nodiscard]] Attempt by_odometry(const scan::Scan& scan, const scan::OdometryHistory& odometry) const;

@@ -11,7 +11,7 @@ namespace curbstone::mapper::tracking {
 namespace {
 
 constexpr double kLeap = 0.03;  // rad, change of the turn from scan to scan that no vehicle makes
-constexpr double kSteady = 0.5 * mounting::MountYaw::kTurn;  // rad, the like within two scans that some vehicles make
+constexpr double kSteady = 0.5 * mounting::MountYaw::kTurn;  // rad, a smaller change from scan to scan is a vehicle's
 constexpr int kSparse = 10;                                  // scans in a row that are a fault
 constexpr double kLongestAlone = 5;                          // s for which a speed is taken as constant
 
@@ -92,9 +92,9 @@ bool Tracker::turns_steadily(std::int64_t from, std::int64_t to, const scan::Odo
   return angle_of(T_middle_odom * odometry.at(to) * (T_middle_odom * odometry.at(before))) < kSteady;
 }
 
-/// Checks that the LiDAR has not turned in its mount. While it may have, the scan is refused, and false is returned.
-/// Once it has, the scan is de-skewed and registered again with the mount as it is now.
-bool Tracker::is_mount_firm(Attempt& found, const scan::Scan& scan, const scan::OdometryHistory& odometry) {
+/// Checks that the LiDAR has not turned in its mount. While it may be turning, `found` is refused, and false is
+/// returned. Once it has turned, `found` is the scan de-skewed and registered again, with the mount's new yaw.
+bool Tracker::check_mount(Attempt& found, const scan::Scan& scan, const scan::OdometryHistory& odometry) {
   if (!config_.turn_by_odometry || !turns_steadily(last_->end, scan.end, odometry)) {
     mount_.interrupt();
     return true;

@@ -11,7 +11,8 @@
 
 namespace curbstone::test {
 
-inline constexpr double kPeriod = 0.05;  // s
+inline constexpr double kPeriod = 0.05;                  // s
+inline constexpr double kDegree = 0.017453292519943295;  // rad
 
 inline std::int64_t utime(double seconds) {
   return SyntheticWorld::kEpoch + std::llround(seconds * 1e6);

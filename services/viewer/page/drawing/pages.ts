@@ -7,7 +7,7 @@ import { kCells, kNoHeight, kTileCells, Tile, World } from "../world";
 const kSizes = 1 + Math.floor(Math.log2(kCellsAside));  // mipmap levels of a picture
 const kNone = 0;                             // unknown height: the initial content of a texture
 const kZero = 1e-6;                          // m, stands for a height of exactly 0
-const kMostClose = 40;                       // pages, of 8 MB each, that are kept without being in view
+const kMaxClose = 40;                       // pages, of 8 MB each, that are kept without being in view
 
 export class Pages {
   readonly all = new Map<string, Page>();
@@ -55,9 +55,9 @@ export class Pages {
   /// Frees the cells' textures of the pages that were not needed for the longest time.
   forget(): void {
     const kept = [...this.all.values()].filter(page => page.close);
-    if (kept.length <= kMostClose) return;
+    if (kept.length <= kMaxClose) return;
     kept.sort((a, b) => a.close!.used - b.close!.used);
-    for (const page of kept.slice(0, kept.length - kMostClose)) {
+    for (const page of kept.slice(0, kept.length - kMaxClose)) {
       if (page.close!.used === this.picture) return;
       for (const texture of [page.close!.cells, page.close!.heights, page.close!.picture]) this.gl.deleteTexture(texture);
       page.close = null;

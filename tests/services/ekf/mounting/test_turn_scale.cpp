@@ -13,8 +13,7 @@
 namespace curbstone::ekf::mounting {
 namespace {
 
-/// A wheel that spun for half a second each ten, before the first bend, had the gyro switched off for the drive: F1 of
-/// the curbs .01.
+/// The wheels turn, and the gyro does not: that is a slip, as no force pushes the vehicle sideways.
 TEST(TurnScaleTest, AWheelThatSlipsAgainAndAgainOnAStraightRoadIsNotTheGyro) {
   for (const double period : {2.0, 10.0}) {
     for (const unsigned seed : {1U, 2U, 3U}) {

@@ -9,7 +9,7 @@
 namespace curbstone::mapper::mounting {
 namespace {
 
-constexpr double kDegree = 0.017453292519943295;
+using test::kDegree;
 
 /// Trees about the vehicle: each laser's returns lie somewhere in their crowns, and no two scans see the same.
 std::vector<scan::LidarPoint> trees(double yaw, std::uint64_t seed, int rings = 16) {
@@ -40,7 +40,7 @@ TEST(AzimuthProfile, GivesTheTurnBetweenTwoScansThatSeeTrees) {
     ASSERT_TRUE(turn);
     EXPECT_NEAR(turn->angle, degrees * kDegree, 0.25 * kDegree) << degrees;
     if (std::abs(degrees) > 1) {
-      EXPECT_LT(turn->there, 0.9 * turn->none) << degrees;
+      EXPECT_LT(turn->residual, 0.9 * turn->residual_at_zero) << degrees;
     }
   }
 }

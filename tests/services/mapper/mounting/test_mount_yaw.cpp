@@ -13,7 +13,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr double kDegree = 0.017453292519943295;
+using test::kDegree;
 
 /// A vehicle that drives a bend in a street, with a LiDAR whose mount turns.
 class MountYawTest : public ::testing::Test {
