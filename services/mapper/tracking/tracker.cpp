@@ -30,6 +30,7 @@ Tracker::Tracker(const config::TrackerConfig& config, const config::Registration
       keeps_map_(keeps_map),
       matcher_(registration, vehicle, config.max_speed),
       mount_(vehicle.T_base_lidar().translation()),
+      turn_by_scans_(vehicle.T_base_lidar().translation()),
       pairs_(registration, vehicle.T_base_lidar().translation()),
       lidar_yaw_(roll_pitch_yaw(vehicle.T_base_lidar().linear()).z()) {}
 
@@ -93,6 +94,7 @@ Tracker::Attempt Tracker::attempt(const scan::Scan& scan, const scan::OdometryHi
   const bool guided = expected.with_odometry;
   if (first_ && !guided) return judged(matcher_.fit_second(from, *first_, scan));
   Attempt first = judged(matcher_.fit(from, scan, std::move(expected), motion_));
+  if (guided) correct_turn(first, scan, odometry);
   if (guided && !check_mount(first, scan, odometry)) return first;
   if (first.believed) return first;
   Attempt second = guided ? attempt_without_odometry(from, scan) : attempt_from_afar(from, scan);

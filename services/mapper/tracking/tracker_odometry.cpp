@@ -92,6 +92,18 @@ bool Tracker::turns_steadily(std::int64_t from, std::int64_t to, const scan::Odo
   return angle_of(T_middle_odom * odometry.at(to) * (T_middle_odom * odometry.at(before))) < kSteady;
 }
 
+/// Without a gyro a wheel that slips turns odometry. Corrects the expected turn by the scans, and registers `found`
+/// again.
+void Tracker::correct_turn(Attempt& found, const scan::Scan& scan, const scan::OdometryHistory& odometry) {
+  if (odometry.with_gyro(last_->end, scan.end)) return turn_by_scans_.interrupt();
+  const double error = turn_by_scans_.error_since_last(scan.end, found.fit.points, odometry.at(scan.end));
+  if (error == 0) return;
+  counters_.add("odometry.turn_by_scans");
+  MotionExpectation expected = found.fit.expected;
+  expected.T_last_base.rotate(Eigen::AngleAxisd(-error, Eigen::Vector3d::UnitZ()));
+  found = judged(matcher_.fit(departure(), scan, std::move(expected), motion_));
+}
+
 /// Checks that the LiDAR has not turned in its mount. While it may be turning, `found` is refused, and false is
 /// returned. Once it has turned, `found` is the scan de-skewed and registered again, with the mount's new yaw.
 bool Tracker::check_mount(Attempt& found, const scan::Scan& scan, const scan::OdometryHistory& odometry) {
