@@ -45,7 +45,7 @@ void PacketIntake::hear(const lidar_points_t& packet, const Handler& hand_on) {
   if (packet.utime <= 0) return hand_on(packet);  // the receiver refuses it
   newest_ = packet.utime;
   if (is_of_another(packet)) {
-    another_ = packet.utime;
+    refused_ = packet.utime;
     return counters_.add("refused.second_lidar");
   }
   refuse_held_of_another(packet);
@@ -100,6 +100,11 @@ void PacketIntake::hold(const lidar_points_t& packet) {
 }
 
 void PacketIntake::pass(const lidar_points_t& packet, const Handler& hand_on) {
+  const bool same_driver = last_ && packet.packet > last_->number;
+  if (refused_ != 0 && packet.utime > refused_) {
+    if (same_driver) another_ = refused_;
+    refused_ = 0;
+  }
   last_ = Last{packet.packet, packet.utime};
   hand_on(packet);
 }

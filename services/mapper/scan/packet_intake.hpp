@@ -20,7 +20,8 @@ namespace curbstone::mapper::scan {
 /// good. Packets whose numbers start again, or whose time jumps, are passed on as they come. Pure; one thread.
 ///
 /// Two drivers on one channel would mix the scans of two LiDARs. Their sequence numbers reveal it: they go back while
-/// time goes on, and no driver restarts within kRestart. Only one of the two is passed on.
+/// time goes on, and no driver restarts within kRestart. Only one of the two is passed on. They are a fault if they
+/// alternate: a driver that was killed and started again at once only loses what it sends within kRestart.
 ///
 /// Counters: refused.second_lidar, lidar.resent (missing packets that came again), lidar.not_resent (gaps that were
 /// given up).
@@ -75,6 +76,7 @@ class PacketIntake {
   std::optional<Last> last_;                 // passed on
   std::deque<lidar_points_t> held_;          // in order of sequence numbers
   std::int64_t newest_ = 0;
+  std::int64_t refused_ = 0;  // us, newest refused packet: of a second LiDAR, or of a driver that has just restarted
   std::int64_t another_ = 0;  // us, newest of a second LiDAR
   std::int64_t ticked_ = 0;   // us
   std::int64_t waited_ = 0;   // us, since a missing packet last came, or since the gap was found

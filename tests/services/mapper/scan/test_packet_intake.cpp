@@ -242,6 +242,25 @@ TEST_F(PacketIntakeTest, AnyNumbersAndStampsAreSurvived) {
   EXPECT_GT(handed_on_.size(), 5000U);
 }
 
+TEST_F(PacketIntakeTest, ADriverThatRestartsAtOnceIsNoSecondLidar) {
+  for (const std::int32_t pause : {1, 5, 20, 36}) {  // packets
+    PacketIntake intake(bus_, "mapper", "LIDAR_POINTS");
+    int passed = 0;
+    const auto count = [&](const lidar_points_t&) { ++passed; };
+    for (std::int32_t i = 0; i < 2'000; ++i) {
+      if (i >= 1'000 && i < 1'000 + pause) continue;
+      lidar_points_t m = packet(i);
+      if (i >= 1'000) m.packet -= 1'000 + pause;
+      intake.hear(m, count);
+      if (i % 15 == 0) intake.tick(kStart + i * kStep, count);
+      std::vector<std::string> faults;
+      intake.add_faults(faults);
+      EXPECT_THAT(faults, SizeIs(0)) << i;
+    }
+    EXPECT_GE(passed, 2'000 - 1 - PacketIntake::kRestart / kStep) << pause;
+  }
+}
+
 TEST_F(PacketIntakeTest, OfTwoLidarsOnOneChannelOneIsHandedOnAndBothAreNamed) {
   for (const std::int32_t other : {-1'000, 50'000, 500'000}) {  // how far the second one's numbers are apart
     PacketIntake intake(bus_, "mapper", "LIDAR_POINTS");
