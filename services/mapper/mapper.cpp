@@ -9,7 +9,7 @@ namespace {
 
 using Insertion = dense_map::DenseWork::Insertion;
 
-constexpr std::int64_t kMostRemovals = 400'000;      // removal records, from which on the tiles are written anew
+constexpr std::int64_t kMaxRemovals = 400'000;       // removal records, from which on the tiles are written anew
 constexpr double kStandsStill = 0.5;                 // s without motion, after which a vehicle without odometry stands
 constexpr std::int64_t kSearchPeriod = 500'000;      // us between two searches for a lost vehicle,
 constexpr std::int64_t kSearchAnywhere = 2'000'000;  // and of the whole map, which takes most of a second
@@ -173,7 +173,7 @@ std::optional<Pose> Mapper::close_loop(const tracking::Tracked& tracked) {
 /// Rewrites the tiles without removal records once there are too many of these. True if it did.
 bool Mapper::drop_removals() {
   dense_->wait_grown();
-  if (dense_->is_moving() || dense_->num_removals() < kMostRemovals) return false;
+  if (dense_->is_moving() || dense_->num_removals() < kMaxRemovals) return false;
   dense_->move({});
   return true;
 }

@@ -17,7 +17,7 @@ namespace curbstone::mapper {
 namespace {
 
 constexpr std::size_t kMaxPending = 80;  // scans that wait for odometry: 4 s at 20 Hz
-constexpr int kMostInATurn = 5;          // scans processed per call
+constexpr int kMaxScansPerTick = 5;      // scans processed per call
 constexpr std::int64_t kIndexPeriod = 1'000'000;
 constexpr std::int64_t kKeptOdometry = 100'000;    // us before the newest scan
 constexpr std::int64_t kReportedFor = 60'000'000;  // us of the drive for which an event is reported
@@ -124,7 +124,7 @@ bool MapperNode::due(const Pending& pending) {
 /// the delay does not change the result.
 void MapperNode::process_due(bool last_call) {
   for (int done = 0; !pending_.empty() && (last_call || due(pending_.front())); ++done) {
-    if (!last_call && done >= kMostInATurn && odometry_.reaches(pending_.front().scan.end)) return;
+    if (!last_call && done >= kMaxScansPerTick && odometry_.reaches(pending_.front().scan.end)) return;
     Pending next = std::move(pending_.front());
     pending_.pop_front();
     process(std::move(next.scan));

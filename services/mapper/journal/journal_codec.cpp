@@ -163,11 +163,11 @@ intensity::RingHistograms take_rings(ItemBytes& bytes) {
   Rings rings;
   rings.scans = bytes.take<std::int32_t>();
   const std::size_t count = bytes.take_count(sizeof(Rings::Counts));
-  require(rings.scans >= 0 && count <= Rings::kMostRings, "holds more rings than a LiDAR has");
+  require(rings.scans >= 0 && count <= Rings::kMaxRings, "holds more rings than a LiDAR has");
   for (std::size_t i = 0; i < count; ++i) {
     rings.rings.push_back(bytes.take<Rings::Counts>());
     for (const std::uint32_t returns : rings.rings.back())
-      require(returns <= Rings::kMostReturns, "holds more returns of a ring than can be");
+      require(returns <= Rings::kMaxReturns, "holds more returns of a ring than can be");
   }
   return rings;
 }

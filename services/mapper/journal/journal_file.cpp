@@ -19,9 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMuch = 4'000'000;           // bytes that are read between two spills
-constexpr std::size_t kMostRecords = 400'000;      // that stay in memory: 3 MB
-constexpr std::uint32_t kBatchMagic = 0x314c4a43;  // "CJL1"
+constexpr std::size_t kMuch = 4'000'000;              // bytes that are read between two spills
+constexpr std::size_t kMaxRecordsInMemory = 400'000;  // that stay in memory: 3 MB
+constexpr std::uint32_t kBatchMagic = 0x314c4a43;     // "CJL1"
 
 struct BatchHead {
   std::uint32_t magic = kBatchMagic;
@@ -82,7 +82,7 @@ std::optional<RecordedDrive> read_batches(std::ifstream& file, std::uintmax_t by
     apply_items(items, drive, ++batch);
     read += items.size();
     if (putting_away && read > kMuch) {
-      putting_away->put_away(drive, kMostRecords);
+      putting_away->put_away(drive, kMaxRecordsInMemory);
       read = 0;
     }
   }

@@ -15,10 +15,10 @@ constexpr float kAhead = 12.0F;      // m ahead, and as far behind
 constexpr float kAside = 2.0F;       // m to either side
 constexpr float kBin = 0.02F;        // m
 constexpr float kLowest = -1.5F;     // m
-constexpr std::size_t kLeastCells = 12;
-constexpr double kLeastInliers = 0.6;  // share of the cells
-constexpr double kWide = 0.15;         // m: points this far off the plane get a small weight in the first iterations,
-constexpr double kNarrow = 0.03;       // and in the last ones only points this near count
+constexpr std::size_t kMinCells = 12;
+constexpr double kMinInliers = 0.6;  // share of the cells
+constexpr double kWide = 0.15;       // m: points this far off the plane get a small weight in the first iterations,
+constexpr double kNarrow = 0.03;     // and in the last ones only points this near count
 constexpr std::array kSlopes = {-0.1, -0.05, 0.0, 0.05, 0.1};  // initial slopes of the search
 constexpr double kSpreadAlong = 2.0;   // m, RMS of the cells' positions: below it the slope is not observable
 constexpr double kSpreadAcross = 0.5;  // m
@@ -97,13 +97,13 @@ void GroundBelow::look(const std::vector<scan::LidarPoint>& points) {
     ++cells_[i].heights[static_cast<std::size_t>(std::clamp(bin, 0, kBins - 1))];
     ++cells_[i].count;
   }
-  if (++looks_ < 2 * kLeast) return;
+  if (++looks_ < 2 * kMinRevolutions) return;
   looks_ /= 2;
   for (Cell& cell : cells_) cell.halve();
 }
 
 std::optional<GroundPlane> GroundBelow::plane() const {
-  if (looks_ < kLeast) return std::nullopt;
+  if (looks_ < kMinRevolutions) return std::nullopt;
   std::vector<Height> heights;
   for (int column = 0; column < kColumns; ++column) {
     for (int row = 0; row < kRows; ++row) {
@@ -114,7 +114,7 @@ std::optional<GroundPlane> GroundBelow::plane() const {
                          cell.median()});
     }
   }
-  if (heights.size() < kLeastCells) return std::nullopt;
+  if (heights.size() < kMinCells) return std::nullopt;
   std::optional<Fit> best;
   for (const double along : kSlopes) {
     for (const double across : kSlopes) {
@@ -122,7 +122,7 @@ std::optional<GroundPlane> GroundBelow::plane() const {
       if (fit && (!best || fit->agreement > best->agreement)) best = fit;
     }
   }
-  if (!best || best->inliers < kLeastInliers * static_cast<double>(heights.size())) return std::nullopt;
+  if (!best || best->inliers < kMinInliers * static_cast<double>(heights.size())) return std::nullopt;
   const Eigen::Matrix3d& H = best->H;
   const double x = H(0, 1) / H(0, 0), y = H(0, 2) / H(0, 0);
   if (H(1, 1) / H(0, 0) - x * x < kSpreadAlong * kSpreadAlong) return std::nullopt;

@@ -100,7 +100,7 @@ void LidarLag::judge() {
     std::fill(correlations_.begin(), correlations_.end(), Correlation{});
   if (!found) return;
   estimates_.push_back(*found);
-  if (estimates_.size() > kMost) estimates_.pop_front();
+  if (estimates_.size() > kMaxEstimates) estimates_.pop_front();
   const std::optional<double> is = lag();
   if (!is) return;
   const bool was = std::exchange(wrong_, std::abs(*is) > (wrong_ ? kSettled : 1.0) * kWrong);
@@ -109,7 +109,7 @@ void LidarLag::judge() {
 }
 
 std::optional<double> LidarLag::lag() const {
-  return agreed({estimates_.begin(), estimates_.end()}, kLagSpread, kLeast);
+  return agreed({estimates_.begin(), estimates_.end()}, kLagSpread, kMinEstimates);
 }
 
 void LidarLag::add_faults(std::vector<std::string>& faults) const {

@@ -9,10 +9,10 @@
 namespace curbstone::mapper::mounting {
 namespace {
 
-constexpr double kLongestStep = 0.3;   // s: largest interval between revolutions from which the motion is computed
-constexpr double kLookEach = 0.5;      // m
-constexpr double kMostSideways = 0.5;  // m/s^2: above it the vehicle leans in the bend
-constexpr double kMirrored = -0.5;     // LiDAR's turn divided by odometry's
+constexpr double kLongestStep = 0.3;  // s: largest interval between revolutions from which the motion is computed
+constexpr double kLookEach = 0.5;     // m
+constexpr double kMaxLateralAcceleration = 0.5;  // m/s^2: above it the vehicle leans in the bend
+constexpr double kMirrored = -0.5;               // LiDAR's turn divided by odometry's
 
 bool beyond(double value, double limit, bool was) {
   return std::abs(value) > (was ? LidarMounting::kSettled : 1.0) * limit;
@@ -41,7 +41,7 @@ void LidarMounting::add(const FittedScan& scan) {
   else
     travel_.interrupt();
   const double sideways = goes_on ? moved.translation().norm() * angle_of(moved) / (seconds * seconds) : 1e9;
-  if ((scan.T_map_base.translation() - looked_).norm() < kLookEach || sideways > kMostSideways) return;
+  if ((scan.T_map_base.translation() - looked_).norm() < kLookEach || sideways > kMaxLateralAcceleration) return;
   looked_ = scan.T_map_base.translation();
   ground_.look(*scan.points);
   judge();

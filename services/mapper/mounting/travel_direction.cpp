@@ -19,7 +19,7 @@ double yaw_of(const Pose& motion) {
 template <class Values>
 void keep(Values& values, typename Values::value_type value) {
   values.push_back(value);
-  if (values.size() > TravelDirection::kMost) values.pop_front();
+  if (values.size() > TravelDirection::kMaxSamples) values.pop_front();
 }
 
 }  // namespace
@@ -50,14 +50,14 @@ std::optional<TravelDirection::Straight> TravelDirection::straight() const {
     aslant.push_back(straights_.front().aslant + std::remainder(from_first, 2 * std::numbers::pi));
     longer.push_back(stretch.longer);
   }
-  const auto direction = agreed(std::move(aslant), kSpread, kLeast);
-  const auto length = agreed(std::move(longer), kSpread, kLeast);
+  const auto direction = agreed(std::move(aslant), kSpread, kMinSamples);
+  const auto length = agreed(std::move(longer), kSpread, kMinSamples);
   if (!direction || !length) return std::nullopt;
   return Straight{std::remainder(*direction, 2 * std::numbers::pi), *length};
 }
 
 std::optional<double> TravelDirection::turning() const {
-  return agreed({turns_.begin(), turns_.end()}, kTurnSpread, kLeast);
+  return agreed({turns_.begin(), turns_.end()}, kTurnSpread, kMinSamples);
 }
 
 }  // namespace curbstone::mapper::mounting

@@ -18,7 +18,7 @@ void TurnAgreement::add(std::int64_t utime, const Pose& T_map_base, const Pose& 
   utime_ = utime;
   pairs_.add(utime, T_map_base, T_odom_base);
   const Eigen::Vector3d apart = pairs_.turned_apart(T_map_base, T_odom_base);
-  note(turn_, std::abs(apart.z()), scan::PosePairs::kMostTurn, "faults.apart.turn");
+  note(turn_, std::abs(apart.z()), scan::PosePairs::kMaxTurnDifference, "faults.apart.turn");
   note(tilt_, apart.head<2>().norm(), kTilt, "faults.apart.tilt");
 }
 

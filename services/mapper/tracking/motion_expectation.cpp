@@ -5,15 +5,15 @@
 namespace curbstone::mapper::tracking {
 namespace {
 
-constexpr double kAcceleration = 10.0;  // m/s, error of the velocity over a scan without odometry
-constexpr double kTurning = 2.0;        // rad/s, likewise of the rotation
-constexpr double kLongestGuess = 2.5;   // s for which a constant velocity is extrapolated
-constexpr double kBasin = 0.7;          // m between two initial motions, from one of which registration converges
-constexpr double kMostAhead = 5.0;      // m per scan, largest initial motion
-constexpr double kTurned = 0.05;        // rad between initial motions
-constexpr double kMostBraking = 4.0;    // m/s^2
-constexpr double kDrift = 0.05;         // m per metre of odometry without registration,
-constexpr double kTurnDrift = 0.005;    // and rad per metre
+constexpr double kAcceleration = 10.0;     // m/s, error of the velocity over a scan without odometry
+constexpr double kTurning = 2.0;           // rad/s, likewise of the rotation
+constexpr double kLongestGuess = 2.5;      // s for which a constant velocity is extrapolated
+constexpr double kBasin = 0.7;             // m between two initial motions, from one of which registration converges
+constexpr double kMaxInitialMotion = 5.0;  // m per scan, largest initial motion
+constexpr double kTurned = 0.05;           // rad between initial motions
+constexpr double kMaxBraking = 4.0;        // m/s^2
+constexpr double kDrift = 0.05;            // m per metre of odometry without registration,
+constexpr double kTurnDrift = 0.005;       // and rad per metre
 
 registration::Matrix6 isotropic(double translation, double rotation) {
   registration::Vector6 diagonal;
@@ -63,7 +63,7 @@ std::optional<MotionExpectation> expect_across(const config::TrackerConfig& conf
   const Pose steady = scan::move(recent.twist, seconds);
   const double path = expected.T_last_base.translation().norm();
   const double unexpected = (expected.T_last_base.translation() - steady.translation()).norm();
-  if (unexpected > kMostBraking * seconds * seconds + 1.0 || path > config.max_speed * seconds) return std::nullopt;
+  if (unexpected > kMaxBraking * seconds * seconds + 1.0 || path > config.max_speed * seconds) return std::nullopt;
   expected.sweep = scan::sweep_from(odometry, scan.start, scan.end);
   expected.covariance = isotropic(config.prior_floor_m + kDrift * path, config.prior_floor_rad + kTurnDrift * path);
   return expected;
@@ -89,7 +89,7 @@ MotionExpectation expect_perhaps(const scan::Twist& twist, std::int64_t from, co
 }
 
 std::vector<scan::Twist> first_motions(double max_speed, double stride) {
-  const double most = std::min(max_speed * stride, kMostAhead);
+  const double most = std::min(max_speed * stride, kMaxInitialMotion);
   std::vector<scan::Twist> motions(1);
   for (double ahead = kBasin; ahead < most + kBasin / 2; ahead += kBasin) {
     motions.push_back(scan::twist_of(Pose(Eigen::Translation3d(ahead, 0, 0)), stride));

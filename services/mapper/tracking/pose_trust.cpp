@@ -8,7 +8,7 @@ constexpr int kConfirmed = 10;                  // scans in a row that must fit 
 constexpr double kDoubtSpeed = 3.0;             // m/s, growth of the doubt while lost or without odometry,
 constexpr double kGuidedDoubt = 0.05;           // and m per metre with odometry
 constexpr double kGuidedTurn = 0.005;           // rad, error of odometry's attitude after a metre
-constexpr double kMostDoubt = 0.5;              // m up to which odometry alone continues the pose over sparse scans
+constexpr double kMaxUncertainty = 0.5;         // m up to which odometry alone continues the pose over sparse scans
 constexpr std::int64_t kNewGround = 6'000'000;  // us without a fit, by when the whole map was searched, and
 constexpr double kNewGroundPath = 10.0;         // m by odometry without a fit: the surroundings are new
 
@@ -60,7 +60,7 @@ void PoseTrust::take_refusal(const Evidence& scan, Counters& counters) {
   if (!scan.sparse) ++refused_in_a_row_;
   drift_ += scan.covariance;
   if (fix_ == Fix::kTentative) fix_ = Fix::kLost;
-  if (scan.sparse && scan.with_odometry && doubt_ < kMostDoubt) return;
+  if (scan.sparse && scan.with_odometry && doubt_ < kMaxUncertainty) return;
   if (fix_ == Fix::kTracking && scan.utime - fitted_ > kPatience) {
     counters.add("lost.refused");
     fix_ = Fix::kLost;

@@ -12,7 +12,7 @@ namespace {
 constexpr std::int64_t kLongestSweep = 1'000'000;  // us
 constexpr std::int64_t kClockJump = 100'000;       // us backwards: from here on a new clock, not a late scan
 constexpr int kFirstInsertions = 10;               // scans that the registration map takes even if the vehicle stands
-constexpr int kMostFromAfar = 3;                   // refusals in a row up to which other motions are tried
+constexpr int kMaxWideSearches = 3;                // refusals in a row up to which other motions are tried
 
 scan::SharedPoints share(std::vector<scan::LidarPoint> points) {
   return std::make_shared<const std::vector<scan::LidarPoint>>(std::move(points));
@@ -119,9 +119,10 @@ Tracker::Attempt Tracker::attempt_without_odometry(const Departure& from, const 
   return attempt;
 }
 
-/// Registers the scan from other motions, in case the motion has changed. Costly, so only for kMostFromAfar refusals.
+/// Registers the scan from other motions, in case the motion has changed. Costly, so only for kMaxWideSearches
+/// refusals.
 Tracker::Attempt Tracker::attempt_from_afar(const Departure& from, const scan::Scan& scan) {
-  if (!trust_.tracking() || trust_.refused_in_a_row() >= kMostFromAfar) return {};
+  if (!trust_.tracking() || trust_.refused_in_a_row() >= kMaxWideSearches) return {};
   return judged(matcher_.fit_from_afar(from, scan, motion_));
 }
 

@@ -19,7 +19,7 @@ bool TurnCheck::gives_up(std::int64_t utime) const {
 }
 
 bool TurnCheck::apart(const Pose& T_map_base, const Pose& T_odom_base) const {
-  return std::abs(believed_.turned_apart(T_map_base, T_odom_base).z()) > scan::PosePairs::kMostTurn;
+  return std::abs(believed_.turned_apart(T_map_base, T_odom_base).z()) > scan::PosePairs::kMaxTurnDifference;
 }
 
 }  // namespace curbstone::mapper::tracking

@@ -14,8 +14,8 @@ namespace curbstone::mapper::tracking {
 /// wrong scale contradicts the wheels in a bend; one whose bias leapt contradicts the wheels until the filter explains
 /// it, and from then on the scans.
 ///
-/// It does not detect a registration that slides by less than PosePairs::kMostTurn in a second, or without turning: on
-/// a straight road only max_jump_m does.
+/// It does not detect a registration that slides by less than PosePairs::kMaxTurnDifference in a second, or without
+/// turning: on a straight road only max_jump_m does.
 ///
 /// Pure; one thread.
 class TurnCheck {

@@ -36,14 +36,14 @@ void WayCheck::add(const Pair& pair) {
     if (longer >= kTellsFrom) is_new_ = false;
     others_.clear();
     was_ = pair.by_scans / pair.seconds;
-    if (++same_ >= kLeast) state_ = State::kGood;
+    if (++same_ >= kMinPairs) state_ = State::kGood;
     return;
   }
   same_ = 0;
   last_ = pair;
   others_.push_back(pair);
-  if (others_.size() > kLeast) others_.pop_front();
-  if (others_.size() == kLeast) decide();
+  if (others_.size() > kMinPairs) others_.pop_front();
+  if (others_.size() == kMinPairs) decide();
 }
 
 /// Decides between a wrong yaw of the LiDAR, which shows the same direction in all pairs, and wrong odometry.

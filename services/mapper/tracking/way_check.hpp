@@ -15,14 +15,14 @@ namespace curbstone::mapper::tracking {
 /// to the map does not show a difference: it begins at the pose that odometry predicts, and stays there on a street
 /// that looks the same for metres, or once the vehicle is beyond its reach of a few decimetres.
 ///
-/// kLeast pairs in a row that differ are a fault, until as many agree. If they agree on a direction that is not
+/// kMinPairs pairs in a row that differ are a fault, until as many agree. If they agree on a direction that is not
 /// odometry's, the LiDAR's yaw is wrong. Otherwise the LiDAR is believed, and odometry denied, if by the LiDAR the
 /// vehicle moves as it did when both last agreed: then the LiDAR does not follow a lorry beside the vehicle. Pairs that
 /// agree with odometry's way as well as with their own are ignored. A value; pure. Counters: faults.odometry.way,
 /// faults.lidar.aside (times that it began).
 class WayCheck {
  public:
-  static constexpr std::size_t kLeast = 3;  ///< pairs in a row
+  static constexpr std::size_t kMinPairs = 3;  ///< pairs in a row
 
   /// Two scans a short time apart.
   struct Pair {
@@ -56,7 +56,7 @@ class WayCheck {
   void decide();
 
   State state_ = State::kGood;
-  std::deque<Pair> others_;                        // pairs in a row that differ, up to kLeast
+  std::deque<Pair> others_;                        // pairs in a row that differ, up to kMinPairs
   std::size_t same_ = 0;                           // pairs in a row that agree
   Pair last_;                                      // the last pair that differed
   Eigen::Vector2d was_ = Eigen::Vector2d::Zero();  // m/s by the scans, when both last agreed
