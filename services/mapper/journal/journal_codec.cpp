@@ -135,7 +135,7 @@ void take_tile(ItemBytes& bytes, RecordedDrive& drive, std::size_t batch) {
   const TileKey key = bytes.take_key();
   RecordedTile& tile = drive.tiles[key];
   tile.touched = batch;
-  if (!tile.away.empty()) tile.content = std::exchange(tile.away, {}).read();
+  if (!tile.spilled.empty()) tile.content = std::exchange(tile.spilled, {}).read();
   tile.z_origin = bytes.take<std::int32_t>();
   require(tile.z_origin >= -kMaxOrigin && tile.z_origin <= kMaxOrigin, "holds a tile of no height");
   require(bytes.take<std::uint32_t>() == tile.content.records.size(), "leaves out records of a tile");
@@ -328,7 +328,7 @@ void check_drive(const RecordedDrive& drive) {
     require(edge.information.allFinite(), "holds an edge that is not finite");
   }
   for (const auto& [key, tile] : drive.tiles)
-    check_tile(tile.away.empty() ? tile.content : tile.away.read(), num_nodes);
+    check_tile(tile.spilled.empty() ? tile.content : tile.spilled.read(), num_nodes);
 }
 
 }  // namespace curbstone::mapper::journal

@@ -21,8 +21,8 @@ namespace curbstone::mapper::mounting {
 /// Pure; one thread. Counter: faults.apart.lean (times that the fault began).
 class MapLean {
  public:
-  static constexpr double kMaxLean = 0.087;        ///< rad: 5 deg. Odometry is right to 1 deg, also under braking
-  static constexpr std::int64_t kFor = 3'000'000;  ///< us, without a break
+  static constexpr double kMaxLean = 0.087;  ///< rad: 5 deg. Odometry is right to 1 deg, also under braking
+  static constexpr std::int64_t kMinDuration = 3'000'000;  ///< us, without a break
 
   /// Adds the next revolution, which fitted the map.
   void add(std::int64_t utime, const Pose& T_map_base, const Pose& T_odom_base) {
@@ -33,7 +33,7 @@ class MapLean {
       leans_ = false;
     } else if (since_ == 0) {
       since_ = utime;
-    } else if (!leans_ && utime - since_ >= kFor) {
+    } else if (!leans_ && utime - since_ >= kMinDuration) {
       leans_ = true;
       counters_.add("faults.apart.lean");
     }

@@ -28,8 +28,8 @@ class TravelDirection {
 
   /// Result of the straight stretches.
   struct Straight {
-    double aslant = 0;  ///< rad, direction by the LiDAR, to the left of that by odometry
-    double longer = 0;  ///< length by odometry divided by that by the LiDAR, less 1
+    double heading_offset = 0;  ///< rad, direction by the LiDAR, to the left of that by odometry
+    double length_error = 0;    ///< length by odometry divided by that by the LiDAR, less 1
   };
   /// None before kMinSamples stretches, or if they do not agree.
   [[nodiscard]] std::optional<Straight> straight() const;

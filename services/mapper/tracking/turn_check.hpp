@@ -37,10 +37,10 @@ class TurnCheck {
   [[nodiscard]] Pose by_odometry(const Pose& T_odom_base) const { return believed_.by_odometry(T_odom_base); }
 
  private:
-  [[nodiscard]] bool apart(const Pose& T_map_base, const Pose& T_odom_base) const;
+  [[nodiscard]] bool disagree(const Pose& T_map_base, const Pose& T_odom_base) const;
 
   scan::PosePairs believed_;
-  std::optional<std::int64_t> apart_;  // us, when odometry last differed from an accepted scan, or start
+  std::optional<std::int64_t> disagreed_;  // us, when odometry last differed from an accepted scan, or start
 };
 
 }  // namespace curbstone::mapper::tracking

@@ -232,8 +232,8 @@ TEST_F(DriveJournalTest, IsReadIntoAFileAndNotIntoMemory) {
   ASSERT_EQ(drive->tiles.size(), here->tiles.size());
   for (auto& [key, tile] : drive->tiles) {
     EXPECT_TRUE(tile.content.records.empty());
-    EXPECT_TRUE(tile.away.is_in_file());
-    tile.content = tile.away.read();
+    EXPECT_TRUE(tile.spilled.is_in_file());
+    tile.content = tile.spilled.read();
     EXPECT_EQ(tile.content, here->tiles.at(key).content);
   }
   ASSERT_EQ(drive->nodes.size(), here->nodes.size());
