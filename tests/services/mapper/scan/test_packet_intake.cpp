@@ -35,7 +35,7 @@ class PacketIntakeTest : public ::testing::Test {
       requests_.push_back(m);
       if (driver_answers_) keeper_.request(m);
     });
-    bus_.subscribe<lidar_points_t>(again("LIDAR_POINTS"), [this](const lidar_points_t& m) {
+    bus_.subscribe<lidar_points_t>(resent_channel("LIDAR_POINTS"), [this](const lidar_points_t& m) {
       if (again_is_lost_-- > 0) return;
       intake_.hear_again(m, hand_on_);
     });
