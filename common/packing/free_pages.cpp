@@ -17,7 +17,7 @@ std::uint64_t FreePages::take(std::uint64_t count) {
   return first;
 }
 
-void FreePages::give_back(std::uint64_t first, std::uint64_t count) {
+void FreePages::release(std::uint64_t first, std::uint64_t count) {
   auto next = gaps_.upper_bound(first);
   if (next != gaps_.end() && next->first == first + count) {
     count += next->second;

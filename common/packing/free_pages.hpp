@@ -11,7 +11,7 @@ class FreePages {
   /// Allocates `count` consecutive pages. Returns the first one.
   [[nodiscard]] std::uint64_t take(std::uint64_t count);
   /// Frees pages that take() returned.
-  void give_back(std::uint64_t first, std::uint64_t count);
+  void release(std::uint64_t first, std::uint64_t count);
   /// Length of the file in pages, used or not.
   [[nodiscard]] std::uint64_t num_pages() const { return end_; }
 

@@ -84,7 +84,7 @@ class SpillFile::File {
     (place.page ? in_file_ : in_memory_) -= place.size;
     waiting_.erase(place.turn);
     if (!place.page) return;
-    free_.give_back(*place.page, place.num_pages());
+    free_.release(*place.page, place.num_pages());
     if (has_free_end()) news_.notify_all();
   }
   [[nodiscard]] PackedValues read(const Place& place) const {
@@ -110,7 +110,7 @@ class SpillFile::File {
     while (true) {
       if (waiting_.empty()) {
         fault_.clear();  // no values are left in memory because of a fault
-        give_back_the_end(lock);
+        release_the_end(lock);
       }
       news_.wait(lock, [this] { return stopped_ || !waiting_.empty() || has_free_end(); });
       if (stopped_) return;
@@ -182,7 +182,7 @@ class SpillFile::File {
   /// Whether enough pages are free at the end to be worth a system call.
   [[nodiscard]] bool has_free_end() const { return free_.num_pages() + kWorthwhile <= has_pages_; }
   /// Releases the lock while the disk works: only this thread takes pages.
-  void give_back_the_end(std::unique_lock<std::mutex>& lock) {
+  void release_the_end(std::unique_lock<std::mutex>& lock) {
     if (!has_free_end()) return;
     const std::uint64_t end = free_.num_pages();
     lock.unlock();
@@ -201,7 +201,7 @@ class SpillFile::File {
     lock.lock();
     writing_ = false;
     fault_ = std::move(fault);
-    if (!fault_.empty()) return free_.give_back(page, place.num_pages());
+    if (!fault_.empty()) return free_.release(page, place.num_pages());
     has_pages_ = std::max(has_pages_, page + place.num_pages());
     place.page = page;
     place.checksum = checksum;

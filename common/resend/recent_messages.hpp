@@ -15,7 +15,7 @@ namespace curbstone {
 inline constexpr const char* kResendRequests = "RESEND_REQUEST";
 
 /// The channel on which messages of `channel` are sent again.
-[[nodiscard]] inline std::string again(const std::string& channel) {
+[[nodiscard]] inline std::string resent_channel(const std::string& channel) {
   return channel + "_AGAIN";
 }
 
@@ -114,7 +114,7 @@ class RecentMessages {
     decltype(auto) message = kept.message();
     const auto bytes = static_cast<std::size_t>(message.getEncodedSize());
     if (bytes > bytes_left_ && messages_left_ < kAtOnce) return false;
-    bus_.publish(again(channel_), message);
+    bus_.publish(resent_channel(channel_), message);
     ++resent_;
     --messages_left_;
     bytes_left_ -= std::min(bytes_left_, bytes);

@@ -18,7 +18,7 @@ void make_room(std::size_t more, std::vector<T>& values) {
 
 /// Empties the vector and frees its memory. `= {}` and clear() would keep the memory.
 template <class T>
-void give_back(std::vector<T>& values) {
+void release_memory(std::vector<T>& values) {
   values = std::vector<T>();
 }
 

@@ -47,7 +47,7 @@ void describe_axes(const filter::LostAxes& axes, std::vector<std::string>& fault
     faults.emplace_back("no gyro about the vertical: the wheels tell how it turns, and slip");
 }
 
-void describe_noise(const inputs::ImuNoise& noise, const base::NoiseConfig& configured,
+void describe_noise(const inputs::ShakenImu& imu, const base::NoiseConfig& configured,
                     std::vector<std::string>& faults) {
   constexpr double kMuch = 10.0;  // times
   const auto describe = [&](const char* part, double measured, double expected) {
@@ -57,6 +57,14 @@ void describe_noise(const inputs::ImuNoise& noise, const base::NoiseConfig& conf
                     "mount it softer, or set that to {2:.2g}",
                     part, measured / expected, measured));
   };
+  const inputs::ImuNoise& noise = imu.noise();
+  if (imu.shaken()) {
+    faults.push_back(fmt::format(
+        "IMU: it is shaken so hard that it is not used: gyro {:.0f}, accelerometer {:.0f} times as noisy as ekf.noise "
+        "says. Is its mount loose?",
+        noise.gyro() / configured.gyro, noise.accelerometer() / configured.accelerometer));
+    return;
+  }
   describe("gyro", noise.gyro(), configured.gyro);
   describe("accelerometer", noise.accelerometer(), configured.accelerometer);
 }

@@ -7,6 +7,7 @@
 #include "services/ekf/base/ekf_config.hpp"
 #include "services/ekf/filter/filter.hpp"
 #include "services/ekf/inputs/imu_outlier_filter.hpp"
+#include "services/ekf/inputs/shaken_imu.hpp"
 #include "services/ekf/inputs/stuck_accelerometer.hpp"
 #include "services/ekf/mounting/mounting_watch.hpp"
 
@@ -15,8 +16,8 @@ namespace curbstone::ekf {
 
 void describe_wheels(const wheel_faults::WheelWatch& watch, std::vector<std::string>& faults);
 void describe_axes(const filter::LostAxes& axes, std::vector<std::string>& faults);
-/// Noise that the filter takes into account is not a fault yet.
-void describe_noise(const inputs::ImuNoise& noise, const base::NoiseConfig& configured,
+/// Up to ten times the configured noise is not a fault: the filter takes it into account.
+void describe_noise(const inputs::ShakenImu& imu, const base::NoiseConfig& configured,
                     std::vector<std::string>& faults);
 void describe_leap(const filter::Filter& filter, std::vector<std::string>& faults);
 void describe_mounting(const mounting::MountingWatch& mounting, const VehicleConfig& vehicle,

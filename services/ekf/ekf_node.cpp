@@ -30,6 +30,7 @@ EkfNode::EkfNode(const base::EkfConfig& config, Publisher& publisher)
       sequencer_(config),
       increments_(config.map),
       accelerometer_(config.vehicle.wheel_radius),
+      shaken_imu_(config),
       filter_(config),
       mounting_(config.vehicle) {
   if (config_.state_file.empty()) return;
@@ -122,12 +123,17 @@ void EkfNode::run(bool drain) {
   }
 }
 
-/// Drops samples of an IMU whose accelerometer does not measure gravity; marks a gyro that does not measure turns.
+/// Drops samples of an IMU whose accelerometer does not measure gravity, or that is shaken too hard once the filter has
+/// started; marks a gyro that does not measure turns.
 std::optional<inputs::Sequencer::Sample> EkfNode::usable_of(const inputs::Sequencer::Sample& sample) {
   const auto* measured = std::get_if<base::ImuSample>(&sample);
   if (measured == nullptr) return sample;
   if (mounting_.wrong_gravity()) {
     counters_.add("refused.gravity.imu");
+    return {};
+  }
+  if (shaken_imu_.add(*measured) && filter_.filter().started()) {
+    counters_.add("refused.shaken.imu");
     return {};
   }
   base::ImuSample imu = *measured;
@@ -194,7 +200,7 @@ NodeReport EkfNode::report() const {
   const Counters filtering = filter_.counters();
   for (const Counters* part : {&clock_.counters(), &increments_.counters(), &sequencer_.counters(), &filtering})
     for (const auto& [name, value] : part->values()) report.counters.add(name, value);
-  const inputs::ImuNoise& noise = filter_.filter().imu_noise();
+  const inputs::ImuNoise& noise = shaken_imu_.noise();
   set_level(report.counters, "imu.gyro_noise_percent", std::lround(100.0 * noise.gyro() / config_.noise.gyro));
   set_level(report.counters, "imu.accelerometer_noise_percent",
             std::lround(100.0 * noise.accelerometer() / config_.noise.accelerometer));
@@ -228,7 +234,7 @@ NodeReport EkfNode::report() const {
                                 : "no IMU: odometry coasts on the wheels");
     if (!mounting_.gyro_is_wrong()) describe_axes(filter_.filter().axes(), faults);
     describe_leap(filter_.filter(), faults);
-    describe_noise(filter_.filter().imu_noise(), config_.noise, faults);
+    describe_noise(shaken_imu_, config_.noise, faults);
     describe_wheels(filter_.filter().wheel_watch(), faults);
     if (last_->no_wheels) faults.emplace_back("no wheels: odometry coasts on the IMU, and drifts");
   }

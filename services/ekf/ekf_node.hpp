@@ -15,6 +15,7 @@
 #include "services/ekf/inputs/map_increment.hpp"
 #include "services/ekf/inputs/running_clock.hpp"
 #include "services/ekf/inputs/sequencer.hpp"
+#include "services/ekf/inputs/shaken_imu.hpp"
 #include "services/ekf/inputs/stale_counts.hpp"
 #include "services/ekf/inputs/stamp_smoother.hpp"
 #include "services/ekf/inputs/stuck_accelerometer.hpp"
@@ -70,6 +71,7 @@ class EkfNode final : public Node {
   inputs::StaleCounts stale_counts_;
   inputs::MapIncrements increments_;
   inputs::StuckAccelerometer accelerometer_;
+  inputs::ShakenImu shaken_imu_;
   filter::RewindingFilter filter_;
   mounting::MountingWatch mounting_;
   Counters counters_;

@@ -26,7 +26,7 @@ void DriveLog::add(const TrajectoryPoint& point) {
   page.push_back({point.utime, point.revolution, point.T_map_base.translation().cast<float>(),
                   Eigen::Quaterniond(point.T_map_base.linear()).cast<float>()});
   catalog_.set_version(key, static_cast<std::int32_t>(page.size()));
-  if (pages_.size() <= kMostPages) return;
+  if (pages_.size() <= kMaxPages) return;
   catalog_.remove(pages_.begin()->first);
   pages_.erase(pages_.begin());
 }

@@ -18,7 +18,7 @@ namespace curbstone::mapper {
 /// seconds (common/tile_sync/drive_pages.hpp). Pure; one thread.
 class DriveLog {
  public:
-  static constexpr std::size_t kMostPages = 8640;  ///< a day; the oldest pages are dropped
+  static constexpr std::size_t kMaxPages = 8640;  ///< a day; the oldest pages are dropped
 
   /// Begins an epoch with the poses of the drive so far.
   void start_epoch(std::int32_t epoch, const std::vector<TrajectoryPoint>& drive);

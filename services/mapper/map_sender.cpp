@@ -8,11 +8,11 @@ namespace curbstone::mapper {
 namespace {
 
 constexpr std::int32_t kPointsPerMessage = 3000;  // 7 bytes each: 21 kB, well under 48 kB
-constexpr std::int64_t kTurn = 20'000;            // us per turn; a call, as after each scan, covers one turn at least
-constexpr std::int64_t kMostTurns = 13;           // per call at most: a replay calls each 0.25 s
-constexpr int kMessagesInATurn = 150;
-constexpr int kPointsInATurn = 5000;         // 35 kB: 1.7 MB/s; mapping at 3 m/s needs 0.25 MB/s
-constexpr std::size_t kRequestsInATurn = 1;  // tiles, of about 8000 points at most
+constexpr std::int64_t kPeriod = 20'000;          // us; a call, as after each scan, covers one period at least
+constexpr std::int64_t kMaxPeriods = 13;          // per call at most: a replay calls each 0.25 s
+constexpr int kMessagesPerPeriod = 150;
+constexpr int kPointsPerPeriod = 5000;         // 35 kB: 1.7 MB/s; mapping at 3 m/s needs 0.25 MB/s
+constexpr std::size_t kRequestsPerPeriod = 1;  // tiles, of about 8000 points at most
 
 std::deque<map_trajectory_t> make_trajectory_pages(const std::vector<TrajectoryPoint>& points, std::int32_t epoch) {
   std::deque<map_trajectory_t> pages;
@@ -86,10 +86,10 @@ std::int32_t MapSender::send_records(TileKey key, const dense_map::DenseTile& ti
 }
 
 void MapSender::send_changes(const dense_map::DenseMap& map, std::int64_t now) {
-  turns_ = static_cast<int>(std::clamp<std::int64_t>((now - sent_at_) / kTurn, 1, kMostTurns));
+  periods_ = static_cast<int>(std::clamp<std::int64_t>((now - sent_at_) / kPeriod, 1, kMaxPeriods));
   sent_at_ = now;
-  int messages = kMessagesInATurn * turns_;
-  int points = kPointsInATurn * turns_;
+  int messages = kMessagesPerPeriod * periods_;
+  int points = kPointsPerPeriod * periods_;
   std::vector<TileKey> unfinished;  // a large tile is sent in parts, with other tiles in between
   while (messages > 0 && points > 0) {
     const std::optional<TileKey> key = changed_.pop();
@@ -111,7 +111,7 @@ void MapSender::send_changes(const dense_map::DenseMap& map, std::int64_t now) {
 }
 
 void MapSender::send_requested(const dense_map::DenseMap& map) {
-  for (const auto& [key, have] : catalog_.take_requests(kRequestsInATurn * static_cast<std::size_t>(turns_))) {
+  for (const auto& [key, have] : catalog_.take_requests(kRequestsPerPeriod * static_cast<std::size_t>(periods_))) {
     const auto it = sent_.find(key);
     if (it == sent_.end()) continue;
     const dense_map::DenseTile* tile = map.tile(key);

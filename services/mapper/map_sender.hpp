@@ -60,7 +60,7 @@ class MapSender {
   TileCatalog catalog_{"mapper", "MAP_POINTS"};
   std::int32_t epoch_ = 0;
   std::int64_t sent_at_ = 0;                                     // us
-  int turns_ = 1;                                                // periods kTurn that the last send_changes() covered
+  int periods_ = 1;                                              // periods kPeriod that the last send_changes() covered
   std::unordered_map<TileKey, std::int32_t, TileKeyHash> sent_;  // records sent
   SendQueue changed_;
   std::deque<map_trajectory_t> trajectory_;  // pages to send

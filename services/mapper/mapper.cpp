@@ -9,23 +9,23 @@ namespace {
 
 using Insertion = dense_map::DenseWork::Insertion;
 
-constexpr std::int64_t kMostRemovals = 400'000;      // removal records, from which on the tiles are written anew
+constexpr std::int64_t kMaxRemovals = 400'000;       // removal records, from which on the tiles are written anew
 constexpr double kStandsStill = 0.5;                 // s without motion, after which a vehicle without odometry stands
 constexpr std::int64_t kSearchPeriod = 500'000;      // us between two searches for a lost vehicle,
 constexpr std::int64_t kSearchAnywhere = 2'000'000;  // and of the whole map, which takes most of a second
 
 }  // namespace
 
-Mapper::Mapper(const config::MapperConfig& config, const std::shared_ptr<SpillFile>& far)
+Mapper::Mapper(const config::MapperConfig& config, const std::shared_ptr<SpillFile>& spill_file)
     : config_(config),
       tracker_(config.tracker, config.registration, config.vehicle, config.mode != config::MapMode::kLocalise),
-      atlas_(config.atlas, far),
+      atlas_(config.atlas, spill_file),
       local_map_(atlas_, tracker_),
       closer_(config.loop),
       relocalizer_(config.registration.icp, config.vehicle.T_base_lidar().translation()),
       dense_(std::make_unique<dense_map::DenseWorker>(config.dense, config.vehicle.T_base_lidar(), config.threads > 1,
-                                                      far)),
-      start_(config.dense, config.vehicle.T_base_lidar(), config.threads > 1, far) {}
+                                                      spill_file)),
+      start_(config.dense, config.vehicle.T_base_lidar(), config.threads > 1, spill_file) {}
 
 std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
   if (left_off_) take_up(*left_off_, scan, odometry);
@@ -33,13 +33,13 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::
   if (!tracked) return std::nullopt;
   if (std::exchange(left_off_, std::nullopt)) counters_.add(tracked->began ? "resumed.lost" : "resumed");
   const bool is_known = odometry.covers(scan.end, scan.end);
-  const bool is_witness = is_known && !tracker_.way().denied();
+  const bool is_witness = is_known && !tracker_.odometry_check().rejects_odometry();
   const auto T_odom_base = is_witness ? std::optional(odometry.at(scan.end)) : std::nullopt;
   if (tracked->began) standstill_ = Standstill::at(tracked->utime, tracked->T_map_base);
 
   // Not sought while registration follows something beside the vehicle, which looks the same everywhere, nor with scans
   // of a LiDAR that shakes.
-  const bool is_sought = tracked->fix == tracking::Fix::kLost && !tracked->sparse && !tracker_.turns_otherwise() &&
+  const bool is_sought = tracked->fix == tracking::Fix::kLost && !tracked->sparse && !tracker_.turn_refused() &&
                          !tracker_.mount().shakes();
   const auto relocalised = is_sought ? relocalise(*tracked, T_odom_base) : std::nullopt;
   const auto mapped = tracked->maps ? std::optional(map(*tracked)) : std::nullopt;
@@ -78,11 +78,12 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::
 /// Searches for the pose of a scan while the vehicle is lost.
 std::optional<Mapper::Relocalisation> Mapper::relocalise(const tracking::Tracked& tracked,
                                                          const std::optional<Pose>& T_odom_base) {
-  const std::int64_t period = pose_graph::Relocalizer::is_anywhere(tracker_.doubt()) ? kSearchAnywhere : kSearchPeriod;
+  const std::int64_t period =
+      pose_graph::Relocalizer::is_anywhere(tracker_.uncertainty()) ? kSearchAnywhere : kSearchPeriod;
   if (atlas_.size() == 0 || std::abs(tracked.utime - searched_) < period) return std::nullopt;
   searched_ = tracked.utime;
   counters_.add("searches");
-  const auto found = relocalizer_.find(atlas_, *tracked.points, tracked.T_map_base, tracker_.doubt());
+  const auto found = relocalizer_.find(atlas_, *tracked.points, tracked.T_map_base, tracker_.uncertainty());
   if (!found) return std::nullopt;
   counters_.add("searches.found");
   earlier_.reset();
@@ -98,7 +99,7 @@ std::optional<Mapper::Relocalisation> Mapper::relocalise(const tracking::Tracked
 /// scan is likely to settle them; not while the map moves, which must not take more than its share of a scan. A loaded
 /// map is never given up, as the vehicle is meant to be found in it.
 void Mapper::note_failed_search(std::int64_t utime, const std::optional<Pose>& T_odom_base) {
-  if (!tracker_.adrift() || config_.mode != config::MapMode::kMap) return;
+  if (!tracker_.was_unobserved() || config_.mode != config::MapMode::kMap) return;
   std::optional<Eigen::Vector3d> in_odom;
   if (T_odom_base) in_odom = T_odom_base->translation();
   failed_search_.add(utime, in_odom);
@@ -137,14 +138,14 @@ Mapper::Mapped Mapper::map(const tracking::Tracked& tracked) {
     const int anchor = atlas_.visit(first->utime, first->T_map_base, *first->points);
     earlier.push_back({first->points, first->T_map_base, first->utime, anchor, true});
   }
-  if (tracked.anew) local_map_.leave();
+  if (tracked.map_restarted) local_map_.leave();
   const int anchor = atlas_.visit(tracked.utime, tracked.T_map_base, *tracked.points);
   const std::optional<Pose> correction = close_loop(tracked);
   const Pose T_map_base = correction ? normalised(*correction * tracked.T_map_base) : tracked.T_map_base;
   local_map_.follow(T_map_base.translation());
   const bool began_anew = drop_removals();
   grow(tracked, T_map_base, anchor, std::move(earlier));
-  const bool start_is_over = dense_began_ != 0 && start_.gives_way(dense_began_, tracked.utime);
+  const bool start_is_over = dense_began_ != 0 && start_.end_if_replaced(dense_began_, tracked.utime);
   return {T_map_base, stands, correction.has_value() || began_anew, start_is_over};
 }
 
@@ -173,7 +174,7 @@ std::optional<Pose> Mapper::close_loop(const tracking::Tracked& tracked) {
 /// Rewrites the tiles without removal records once there are too many of these. True if it did.
 bool Mapper::drop_removals() {
   dense_->wait_grown();
-  if (dense_->is_moving() || dense_->num_removals() < kMostRemovals) return false;
+  if (dense_->is_moving() || dense_->num_removals() < kMaxRemovals) return false;
   dense_->move({});
   return true;
 }
@@ -268,8 +269,9 @@ std::vector<TileKey> Mapper::finish() {
 
 Counters Mapper::counters() const {
   Counters all = counters_;
-  for (const Counters* part : {&tracker_.counters(), &tracker_.way().counters(), &tracker_.mount().counters(),
-                               &closer_.counters(), &scale_.counters(), &dense_->counters()}) {
+  for (const Counters* part :
+       {&tracker_.counters(), &tracker_.odometry_check().counters(), &tracker_.mount().counters(), &closer_.counters(),
+        &scale_.counters(), &dense_->counters()}) {
     for (const auto& [name, value] : part->values()) all.add(name, value);
   }
   return all;

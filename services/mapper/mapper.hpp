@@ -52,7 +52,7 @@ struct MapperUpdate {
 };
 
 /// The file for tiles and keyframe scans far from the vehicle, in the folder that the configuration names.
-[[nodiscard]] std::shared_ptr<SpillFile> file_for_far(const config::MapperConfig& config);
+[[nodiscard]] std::shared_ptr<SpillFile> make_spill_file(const config::MapperConfig& config);
 
 /// The mapper's method: tracks each scan, relocalises if lost, and maps scans that fit. The drive is kept as a graph of
 /// keyframes with loop closure, and as the dense map. The result depends on the sequence of calls alone. Pure; called
@@ -65,10 +65,10 @@ struct MapperUpdate {
 /// without odometry from its last pose).
 class Mapper {
  public:
-  /// `far`: storage for what is far from the vehicle; a SpillFile without a folder keeps it in memory, packed. See
-  /// file_for_far().
+  /// `spill_file`: storage for what is far from the vehicle; a SpillFile without a folder keeps it in memory, packed.
+  /// See make_spill_file().
   explicit Mapper(const config::MapperConfig& config,
-                  const std::shared_ptr<SpillFile>& far = std::make_shared<SpillFile>());
+                  const std::shared_ptr<SpillFile>& spill_file = std::make_shared<SpillFile>());
 
   /// Loads the map of an earlier drive, which stays fixed. Before the first scan. The drive begins near the start pose
   /// of the configuration.
@@ -134,11 +134,12 @@ class Mapper {
   [[nodiscard]] Counters counters() const;
   /// Number of scans in a row that could not be registered.
   [[nodiscard]] int refused_in_a_row() const { return tracker_.refused_in_a_row(); }
-  /// Appends the tracker's faults: odometry and LiDAR disagree on the way (WayCheck), or scans have too few points.
+  /// Appends the tracker's faults: odometry and LiDAR disagree on the way (OdometryCheck), or scans have too few
+  /// points.
   void add_faults(std::vector<std::string>& faults) const { tracker_.add_faults(faults); }
   /// See Tracker.
-  [[nodiscard]] bool turns_otherwise() const { return tracker_.turns_otherwise(); }
-  [[nodiscard]] std::int64_t turned_otherwise() const { return tracker_.turned_otherwise(); }
+  [[nodiscard]] bool turn_refused() const { return tracker_.turn_refused(); }
+  [[nodiscard]] std::int64_t turn_refused_at() const { return tracker_.turn_refused_at(); }
   /// The drive's poses in order of time, one every few centimetres; a closed loop moves them. See
   /// Trajectory::points().
   [[nodiscard]] std::vector<TrajectoryPoint> trajectory() const { return trajectory_.points(atlas_); }

@@ -28,9 +28,9 @@ scan::Twist motion_between(const journal::RecordedPose& a, const journal::Record
 
 /// The tile's records; nothing if they cannot be read from the file of far tiles.
 std::optional<dense_map::TileRecords> content_of(journal::RecordedTile tile) {
-  if (tile.away.empty()) return std::move(tile.content);
+  if (tile.spilled.empty()) return std::move(tile.content);
   try {
-    return tile.away.read();
+    return tile.spilled.read();
   } catch (const std::runtime_error&) {
     return std::nullopt;
   }
@@ -38,7 +38,7 @@ std::optional<dense_map::TileRecords> content_of(journal::RecordedTile tile) {
 
 }  // namespace
 
-std::shared_ptr<SpillFile> file_for_far(const config::MapperConfig& config) {
+std::shared_ptr<SpillFile> make_spill_file(const config::MapperConfig& config) {
   return std::make_shared<SpillFile>(config.far_folder, static_cast<std::uint64_t>(config.keep_free * 1e9));
 }
 
@@ -116,7 +116,7 @@ void Mapper::take_up(const journal::RecordedPose& last, const scan::Scan& scan, 
 storage::SavedMap Mapper::saved(std::int32_t epoch) const {
   storage::SavedMap map = snapshot(epoch, {}).map;
   for (storage::SavedTile& tile : map.tiles) {
-    if (!tile.away.empty()) tile.points = std::exchange(tile.away, {}).read().points();
+    if (!tile.spilled.empty()) tile.points = std::exchange(tile.spilled, {}).read().points();
   }
   return map;
 }

@@ -17,7 +17,7 @@ namespace curbstone::mapper {
 namespace {
 
 constexpr std::size_t kMaxPending = 80;  // scans that wait for odometry: 4 s at 20 Hz
-constexpr int kMostInATurn = 5;          // scans processed per call
+constexpr int kMaxScansPerTick = 5;      // scans processed per call
 constexpr std::int64_t kIndexPeriod = 1'000'000;
 constexpr std::int64_t kKeptOdometry = 100'000;    // us before the newest scan
 constexpr std::int64_t kReportedFor = 60'000'000;  // us of the drive for which an event is reported
@@ -40,9 +40,9 @@ MapperNode::MapperNode(const config::MapperConfig& config, Publisher& bus)
       sender_(bus),
       packets_(bus, "mapper", "LIDAR_POINTS"),
       odometry_resend_(bus, "mapper", odometry_),
-      far_(file_for_far(config)),
-      mapper_(std::in_place, config, far_),
-      watch_(config.vehicle) {
+      spill_file_(make_spill_file(config)),
+      mapper_(std::in_place, config, spill_file_),
+      sensor_monitor_(config.vehicle) {
   if (!config_.folder.empty() && config_.mode != config::MapMode::kLocalise) saver_.emplace(config_.folder);
   if (!resume_drive() && config_.mode != config::MapMode::kMap) begin_map();
 }
@@ -50,9 +50,10 @@ MapperNode::MapperNode(const config::MapperConfig& config, Publisher& bus)
 void MapperNode::connect(Subscriber& bus) {
   // 750 packets per second: two seconds of packets may wait while a scan is registered.
   bus.subscribe<lidar_points_t>("LIDAR_POINTS", [this](const lidar_points_t& m) { on(m); }, {1500});
-  bus.subscribe<lidar_points_t>(again("LIDAR_POINTS"), [this](const lidar_points_t& m) { on_again(m); }, {3000});
+  bus.subscribe<lidar_points_t>(resent_channel("LIDAR_POINTS"), [this](const lidar_points_t& m) { on_again(m); },
+                                {3000});
   bus.subscribe<odometry_t>("ODOMETRY", [this](const odometry_t& m) { on(m); }, {800});
-  bus.subscribe<odometry_t>(again("ODOMETRY"), [this](const odometry_t& m) { on_again(m); }, {3000});
+  bus.subscribe<odometry_t>(resent_channel("ODOMETRY"), [this](const odometry_t& m) { on_again(m); }, {3000});
   bus.subscribe<tile_request_t>("TILE_REQUEST", [this](const tile_request_t& m) { on(m); }, {100});
 }
 
@@ -124,7 +125,7 @@ bool MapperNode::due(const Pending& pending) {
 /// the delay does not change the result.
 void MapperNode::process_due(bool last_call) {
   for (int done = 0; !pending_.empty() && (last_call || due(pending_.front())); ++done) {
-    if (!last_call && done >= kMostInATurn && odometry_.reaches(pending_.front().scan.end)) return;
+    if (!last_call && done >= kMaxScansPerTick && odometry_.reaches(pending_.front().scan.end)) return;
     Pending next = std::move(pending_.front());
     pending_.pop_front();
     process(std::move(next.scan));
@@ -141,7 +142,7 @@ void MapperNode::process(scan::Scan scan) {
     }
   }
   const std::int64_t begin = steady_clock();
-  watch_.clean(scan);
+  sensor_monitor_.clean(scan);
   const std::optional<MapperUpdate> update = mapper_->process(scan, odometry_);
   latency_.add(static_cast<double>(steady_clock() - begin) * 1e-6);
   odometry_.forget_before(scan.start - kKeptOdometry);
@@ -150,7 +151,7 @@ void MapperNode::process(scan::Scan scan) {
   if (!odometry_.reaches(scan.end) && missed_.size() < kMaxPending) missed_.push_back(scan.end);
   without_odometry_ = update->with_odometry ? 0 : without_odometry_ + 1;
   position_ = update->T_map_base.translation();
-  watch_sensors(*update);
+  monitor_sensors(*update);
   if (update->rearranged) start_drive_.clear();
   if (epoch_ == 0 || update->rearranged || update->start_is_over) begin_epoch(update->utime);
   publish_pose(*update);
@@ -161,18 +162,19 @@ void MapperNode::process(scan::Scan scan) {
 }
 
 /// While odometry coasts on the wheels, its turn is not compared with the LiDAR's.
-void MapperNode::watch_sensors(const MapperUpdate& update) {
+void MapperNode::monitor_sensors(const MapperUpdate& update) {
   const bool is_measure = update.with_odometry && odometry_.with_gyro(update.utime - kKeptOdometry, update.utime);
   const std::optional<Pose> T_odom_base =
       is_measure ? std::optional(update.T_map_odom.inverse() * update.T_map_base) : std::nullopt;
   const std::optional<Pose>& by_scan = update.T_map_base_by_scan;
   // Registered, but not by the tracker: the vehicle was lost and has been relocalised.
   const bool goes_on = !update.rearranged && (by_scan || !update.registered);
-  if (!goes_on) watch_.begin_map();
-  if (goes_on && by_scan && T_odom_base) watch_.compare(update.utime, *by_scan, *T_odom_base);
-  if (update.rearranged || !update.registered || update.fix != tracking::Fix::kTracking) return watch_.interrupt();
-  const bool in_every_direction = (update.registration.degenerate & registration::kPlanarAxes) == 0;
-  watch_.add({update.utime, update.points.get(), update.T_map_base, T_odom_base, in_every_direction});
+  if (!goes_on) sensor_monitor_.begin_map();
+  if (goes_on && by_scan && T_odom_base) sensor_monitor_.compare(update.utime, *by_scan, *T_odom_base);
+  if (update.rearranged || !update.registered || update.fix != tracking::Fix::kTracking)
+    return sensor_monitor_.interrupt();
+  const bool is_fully_constrained = (update.registration.degenerate & registration::kPlanarAxes) == 0;
+  sensor_monitor_.add({update.utime, update.points.get(), update.T_map_base, T_odom_base, is_fully_constrained});
 }
 
 void MapperNode::begin_epoch(std::int64_t utime) {
@@ -295,25 +297,25 @@ NodeReport MapperNode::report() const {
   for (const Counters* part : {&packets_.counters(), &odometry_resend_.counters(), &assembler_.counters(), &method}) {
     for (const auto& [name, value] : part->values()) report.counters.add(name, value);
   }
-  watch_.add_counters(report.counters);
+  sensor_monitor_.add_counters(report.counters);
   if (saver_) {
     for (const auto& [name, value] : saver_->counters().values()) report.counters.add(name, value);
   }
-  set_level(report.counters, "far.memory_kb", static_cast<std::int64_t>(far_->bytes_in_memory() / 1024));
-  set_level(report.counters, "far.disk_kb", static_cast<std::int64_t>(far_->bytes_in_file() / 1024));
-  report.counters.add("faults.far_tiles", far_->failed_reads());
+  set_level(report.counters, "far.memory_kb", static_cast<std::int64_t>(spill_file_->bytes_in_memory() / 1024));
+  set_level(report.counters, "far.disk_kb", static_cast<std::int64_t>(spill_file_->bytes_in_file() / 1024));
+  report.counters.add("faults.far_tiles", spill_file_->failed_reads());
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
-  if (!far_->read_fault().empty())
+  if (!spill_file_->read_fault().empty())
     report.faults.push_back(
         fmt::format("far tiles: {} looks at what is far failed, so parts of the map cannot be sent, saved or grow: {}",
-                    far_->failed_reads(), far_->read_fault()));
-  if (!far_->fault().empty()) report.faults.push_back("far tiles stay in memory: " + far_->fault());
+                    spill_file_->failed_reads(), spill_file_->read_fault()));
+  if (!spill_file_->fault().empty()) report.faults.push_back("far tiles stay in memory: " + spill_file_->fault());
   if (saver_ && !saver_->fault().empty()) report.faults.push_back(saver_->fault());
   if (journal_ && !journal_->fault().empty()) report.faults.push_back(journal_->fault());
   if (!why_new_map_.empty() && last_end_ - first_lidar_ < kReportedFor) report.faults.push_back(why_new_map_);
   packets_.add_faults(report.faults);
-  watch_.add_faults(report.faults);
+  sensor_monitor_.add_faults(report.faults);
   mapper_->add_faults(report.faults);
   if (epoch_ != 0 && without_odometry_ >= kOdometryMissing)
     report.faults.push_back("no usable ODOMETRY: assuming constant velocity");
@@ -321,12 +323,12 @@ NodeReport MapperNode::report() const {
     report.faults.push_back(
         fmt::format("{} revolutions went without odometry that came too late: a replay makes another map",
                     counters_["odometry.too_late"]));
-  if (mapper_->turns_otherwise()) {
+  if (mapper_->turn_refused()) {
     report.faults.push_back(
         "LiDAR: it turns otherwise than wheels and gyro: does something large drive along beside it, or are its stamps "
         "late or early? Odometry alone is believed meanwhile");
-  } else if (const std::int64_t ago = last_end_ - mapper_->turned_otherwise();
-             mapper_->turned_otherwise() != 0 && ago >= 0 && ago < kReportedFor) {
+  } else if (const std::int64_t ago = last_end_ - mapper_->turn_refused_at();
+             mapper_->turn_refused_at() != 0 && ago >= 0 && ago < kReportedFor) {
     report.faults.push_back(
         fmt::format("LiDAR: it turned otherwise than wheels and gyro, {:.0f} s ago: did something large drive along "
                     "beside it, or are its stamps late or early? Where that was, the map has gaps or is bent",

@@ -9,7 +9,7 @@
 #include "common/bus/node.hpp"
 #include "common/shell/latency.hpp"
 #include "services/mapper/config/mapper_config.hpp"
-#include "services/mapper/detection/sensor_watch.hpp"
+#include "services/mapper/detection/sensor_monitor.hpp"
 #include "services/mapper/journal/drive_journal.hpp"
 #include "services/mapper/map_sender.hpp"
 #include "services/mapper/mapper.hpp"
@@ -59,7 +59,7 @@ class MapperNode final : public Node {
   [[nodiscard]] bool due(const Pending& pending);
   void note_late_odometry();
   void process(scan::Scan scan);
-  void watch_sensors(const MapperUpdate& update);
+  void monitor_sensors(const MapperUpdate& update);
   /// Begins an epoch: the map begins, or has been rearranged and is sent again as a whole.
   void begin_epoch(std::int64_t utime);
   [[nodiscard]] std::vector<journal::RecordedPose> drive_so_far();
@@ -82,9 +82,9 @@ class MapperNode final : public Node {
   scan::ScanAssembler assembler_;
   scan::OdometryHistory odometry_;
   scan::OdometryResend odometry_resend_;
-  std::shared_ptr<SpillFile> far_;  // tiles and keyframe scans far from the vehicle
-  std::optional<Mapper> mapper_;    // always has a value
-  detection::SensorWatch watch_;
+  std::shared_ptr<SpillFile> spill_file_;  // tiles and keyframe scans far from the vehicle
+  std::optional<Mapper> mapper_;           // always has a value
+  detection::SensorMonitor sensor_monitor_;
   std::deque<Pending> pending_;
   std::int64_t first_lidar_ = 0;   // us, start of the first scan
   std::int64_t first_heard_ = 0;   // us, lidar time when it was queued

@@ -58,7 +58,8 @@ bool MapperNode::resume_drive() {
     return false;
   }
   try {
-    std::optional<journal::RecordedDrive> drive = journal::read_journal(config_.journal, max_bytes, hash, far_.get());
+    std::optional<journal::RecordedDrive> drive =
+        journal::read_journal(config_.journal, max_bytes, hash, spill_file_.get());
     if (!drive) return false;
     epoch_before_ = drive->epoch;
     const std::int64_t settled = drive->poses.back().utime - std::llround(1e6 * config_.dense.settled_after());
@@ -91,9 +92,9 @@ void MapperNode::begin_new_drive() {
     const auto beside = saver_->set_aside(mapper_->snapshot(epoch_, saver_->on_disk()), began);
     why_new_map_ += fmt::format(", which stays in {}", beside.string());
   }
-  mapper_.emplace(config_, far_);
-  watch_.begin_map();
-  watch_.interrupt();
+  mapper_.emplace(config_, spill_file_);
+  sensor_monitor_.begin_map();
+  sensor_monitor_.interrupt();
   epoch_before_ = std::exchange(epoch_, 0);
   resumed_drive_.clear();
   start_drive_.clear();

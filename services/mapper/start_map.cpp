@@ -12,15 +12,15 @@ constexpr double kShows = 0.5;  // s of standstill; a shorter one may be a drive
 }  // namespace
 
 StartMap::StartMap(const config::DenseConfig& config, const Pose& T_base_lidar, bool beside,
-                   std::shared_ptr<SpillFile> far)
-    : config_(config), T_base_lidar_(T_base_lidar), beside_(beside), far_(std::move(far)) {}
+                   std::shared_ptr<SpillFile> spill_file)
+    : config_(config), T_base_lidar_(T_base_lidar), beside_(beside), spill_file_(std::move(spill_file)) {}
 
 bool StartMap::takes(const Standstill& standstill, std::int64_t utime) const {
   return !is_over_ && !standstill.has_moved && scan::seconds(standstill.began, utime) <= config_.start_hold_s;
 }
 
 StartMap::Worker& StartMap::map() {
-  if (!map_) map_ = std::make_unique<Worker>(config_, T_base_lidar_, beside_, far_);
+  if (!map_) map_ = std::make_unique<Worker>(config_, T_base_lidar_, beside_, spill_file_);
   return *map_;
 }
 
@@ -29,7 +29,7 @@ void StartMap::grew(std::int64_t utime) {
   if (scan::seconds(began_, utime) >= kShows) is_shown_ = true;
 }
 
-bool StartMap::gives_way(std::int64_t began, std::int64_t utime) {
+bool StartMap::end_if_replaced(std::int64_t began, std::int64_t utime) {
   if (!map_ || (is_shown_ && scan::seconds(began, utime) < config_.settled_after())) return false;
   const bool was_shown = is_shown_;
   end();

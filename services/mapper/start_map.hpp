@@ -22,7 +22,8 @@ class StartMap {
   using Worker = dense_map::DenseWorker;
 
   /// Arguments as for DenseWorker. After `config.start_hold_s` a vehicle that has not moved is mapped all the same.
-  StartMap(const config::DenseConfig& config, const Pose& T_base_lidar, bool beside, std::shared_ptr<SpillFile> far);
+  StartMap(const config::DenseConfig& config, const Pose& T_base_lidar, bool beside,
+           std::shared_ptr<SpillFile> spill_file);
 
   /// Whether the scan that ended at `utime` belongs to the first standstill.
   [[nodiscard]] bool takes(const Standstill& standstill, std::int64_t utime) const;
@@ -32,7 +33,7 @@ class StartMap {
   void grew(std::int64_t utime);
   /// The drive's own map has grown from `began` to `utime`, us. Ends this map if that is long enough, or if this map is
   /// not shown. True if this map was shown and the drive's own map replaces it now.
-  [[nodiscard]] bool gives_way(std::int64_t began, std::int64_t utime);
+  [[nodiscard]] bool end_if_replaced(std::int64_t began, std::int64_t utime);
   /// Deletes this map, shown or not. No other one begins.
   void end();
   /// Gives the map away, to become the drive's own map when the vehicle has not moved; null if there is none. As after
@@ -49,7 +50,7 @@ class StartMap {
   config::DenseConfig config_;
   Pose T_base_lidar_;
   bool beside_;
-  std::shared_ptr<SpillFile> far_;
+  std::shared_ptr<SpillFile> spill_file_;
   std::unique_ptr<Worker> map_;
   std::int64_t began_ = 0;  // us
   bool is_shown_ = false;

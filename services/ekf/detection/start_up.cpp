@@ -69,9 +69,14 @@ StartUp::StartUp(const base::EkfConfig& config)
       moving_window_(with_window(config.standstill, config.start.moving), config.vehicle.wheel_radius,
                      config.timing.max_wheel_gap) {}
 
-void StartUp::add(const base::WheelSample& sample) {
+std::optional<model::Belief> StartUp::add(const base::WheelSample& sample) {
   standing_window_.add(sample);
   moving_window_.add(sample);
+  if (!without_imu_ || sample.utime < *without_imu_) without_imu_ = sample.utime;
+  const double silent = base::seconds_between(*without_imu_, sample.utime);
+  if (silent < config_.start.patience || !moving_window_.wheels_turn()) return std::nullopt;
+  kind_ = Kind::kWithoutImu;
+  return moving(sample.utime, on_level_ground());
 }
 
 void StartUp::set_noise(const base::NoiseConfig& noise, double gyro, double accelerometer) {
@@ -84,10 +89,12 @@ void StartUp::reset() {
   standing_window_.reset();
   moving_window_.reset();
   since_.reset();
+  without_imu_.reset();
 }
 
 std::optional<model::Belief> StartUp::add(const base::ImuSample& sample) {
   if (!since_) since_ = sample.utime;
+  without_imu_.reset();
   standing_window_.add(sample);
   moving_window_.add(sample);
   const bool plausible = standing_window_.mean_rate().cwiseAbs().maxCoeff() <= config_.start.max_gyro_bias;
@@ -97,11 +104,11 @@ std::optional<model::Belief> StartUp::add(const base::ImuSample& sample) {
   }
   if (moving_window_.span() >= config_.start.moving && moving_window_.wheels_turn()) {
     kind_ = Kind::kMoving;
-    return moving(sample.utime);
+    return moving(sample.utime, measured());
   }
   if (base::seconds_between(*since_, sample.utime) >= config_.start.patience) {
     kind_ = Kind::kImpatient;
-    return moving(sample.utime);
+    return moving(sample.utime, measured());
   }
   return std::nullopt;
 }
@@ -151,9 +158,18 @@ model::Belief StartUp::standing(std::int64_t utime) const {
   return belief;
 }
 
-model::Belief StartUp::moving(std::int64_t utime) const {
-  const Eigen::Vector3d rate = geometry_.R_base_imu * moving_window_.mean_rate();
-  const Eigen::Vector3d specific_force = geometry_.R_base_imu * moving_window_.mean_acceleration();
+model::Inertial StartUp::measured() const {
+  return {geometry_.R_base_imu * moving_window_.mean_rate(), geometry_.R_base_imu * moving_window_.mean_acceleration()};
+}
+
+model::Inertial StartUp::on_level_ground() const {
+  const WheelFit wheels = fit(moving_window_.wheels(), geometry_.wheel_radius);
+  return {Eigen::Vector3d::Zero(), Eigen::Vector3d(wheels.acceleration, 0.0, kGravity)};
+}
+
+model::Belief StartUp::moving(std::int64_t utime, const model::Inertial& mean) const {
+  const Eigen::Vector3d& rate = mean.angular_rate;
+  const Eigen::Vector3d& specific_force = mean.acceleration;
   const WheelFit wheels = fit(moving_window_.wheels(), geometry_.wheel_radius);
   const Eigen::Vector3d acceleration(wheels.acceleration, wheels.speed * rate.z(), 0.0);
   model::Belief belief = prior(utime, specific_force - acceleration);

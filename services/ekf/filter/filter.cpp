@@ -20,6 +20,8 @@ const char* name_of(detection::StartUp::Kind kind) {
       return "starts.standing";
     case detection::StartUp::Kind::kMoving:
       return "starts.moving";
+    case detection::StartUp::Kind::kWithoutImu:
+      return "starts.without_imu";
     default:
       return "starts.impatient";
   }
@@ -58,6 +60,8 @@ void Filter::add(const base::ImuSample& measured, std::vector<model::Estimate>& 
   update_stuck_axes();
   const auto& last = mechanisation_.last_imu();
   const double dt = last ? base::seconds_between(last->utime, sample.utime) : 0.0;
+  const bool first_or_again = !last || dt > config_->timing.max_imu_gap;
+  if (first_or_again && !level_.level()) level_.begin(false, sample.utime);  // it has not been able to level itself
   if (dt > config_->timing.max_imu_gap) {
     counters_.add("gaps.imu");
     watch_.interrupt();
@@ -96,11 +100,7 @@ void Filter::update_noise(const base::ImuSample& sample) {
 void Filter::add(const base::WheelSample& sample, std::vector<model::Estimate>& out) {
   last_wheels_ = sample.utime;
   still_.add(sample);
-  if (!started_) {
-    start_up_.add(sample);
-    odometer_.add(sample);
-    return;
-  }
+  if (!started_) return start(sample);
   const double gap = base::seconds_between(belief_.utime, sample.utime);
   if (gap < 0.0 || gap > config_->timing.max_jump) {
     restart_clock(sample.utime);
@@ -150,11 +150,23 @@ void Filter::start(const base::ImuSample& sample) {
     still_.add(sample);
     return;
   }
+  begin(*first);
+}
+
+void Filter::start(const base::WheelSample& sample) {
+  odometer_.add(sample);
+  const std::optional<model::Belief> first = start_up_.add(sample);
+  if (!first) return;
+  predecessor_.reset();
+  begin(*first);
+}
+
+void Filter::begin(const model::Belief& first) {
   counters_.add(name_of(start_up_.kind()));
-  belief_ = last_good_ = *first;
+  belief_ = last_good_ = first;
   started_ = true;
   standing_ = start_up_.kind() == detection::StartUp::Kind::kStanding;
-  level_.begin(standing_, sample.utime);
+  level_.begin(standing_, first.utime);
   start_up_.reset();
 }
 
@@ -296,7 +308,7 @@ void Filter::emit(const model::Inertial& imu, double dt, bool no_imu, std::vecto
   const double rate_sigma = no_imu ? config_->noise.coasting_rate : noise_.gyro / std::sqrt(std::max(dt, 1e-3));
   model::Estimate estimate = model::estimate_base(belief_, imu, rate_sigma, geometry_);
   axes_.restore_biases(estimate);
-  estimate.level = level_.level();
+  estimate.level = no_imu || level_.level();
   estimate.stationary = standing_;
   estimate.slipping = slip_.slipping(0, belief_.utime) || slip_.slipping(1, belief_.utime);
   estimate.no_imu = no_imu;

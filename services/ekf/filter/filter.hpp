@@ -38,7 +38,7 @@ namespace curbstone::ekf::filter {
 ///   while standing, with zero velocity and zero rate. A wheel that slips is left out (SlipJudge).
 /// - The mapper's increments, if given, correct speed, gyro bias and with them the wheels' calibration.
 /// - Without an IMU the filter coasts on the wheels, without wheels on the IMU and the constraint. It returns from both
-///   by itself.
+///   by itself. While it coasts on the wheels, roll and pitch stay as they are, so the estimate counts as level.
 /// - A gyro axis that is stuck is not used (LostAxes).
 ///
 /// The correction of position and heading is spread over the distance that follows (OdomSmoother).
@@ -89,6 +89,8 @@ class Filter {
 
   void update_noise(const base::ImuSample& sample);
   void start(const base::ImuSample& sample);
+  void start(const base::WheelSample& sample);
+  void begin(const model::Belief& first);
   [[nodiscard]] bool continue_from_predecessor(const base::ImuSample& sample);
   void restart_clock(std::int64_t utime);
   void update_stuck_axes();

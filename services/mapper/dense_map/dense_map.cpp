@@ -49,11 +49,11 @@ voxels::VoxelKey waiting_key(TileKey tile, std::uint32_t voxel) {
 
 }  // namespace
 
-DenseMap::DenseMap(const config::DenseConfig& config, std::shared_ptr<SpillFile> far)
+DenseMap::DenseMap(const config::DenseConfig& config, std::shared_ptr<SpillFile> spill_file)
     : config_(config),
       voxel_steps_(static_cast<int>(std::lround(config.voxel / kPositionStep))),
       settle_us_(std::llround(1e6 * config.settle_s)),
-      far_(std::move(far)),
+      spill_file_(std::move(spill_file)),
       tiles_(no_tiles()),
       places_(std::llround(1e6 * config.persistence_s)),
       free_space_(config.ground_clearance) {}
@@ -77,7 +77,7 @@ std::vector<TileKey> DenseMap::insert(const std::vector<scan::LidarPoint>& point
     places_.forget_before(utime - 2 * kGiveUp);  // waiting voxels below such a place have been dropped before
     bound_memory();
   }
-  tiles_.put_away(kShareByScan);
+  tiles_.spill(kShareByScan);
   return grown;
 }
 
@@ -268,7 +268,7 @@ void DenseMap::move_some(std::size_t most, std::vector<TileKey>& grown) {
 void DenseMap::move_rest(std::vector<TileKey>& grown) {
   while (is_moving()) {
     move_some(kMovedAtOnce, grown);
-    tiles_.put_away(kAllAtOnce);
+    tiles_.spill(kAllAtOnce);
   }
 }
 

@@ -30,15 +30,16 @@ namespace curbstone::mapper::dense_map {
 /// Tiles far from the vehicle sleep, and the records of those that have slept for longest are spilled to a file: see
 /// DenseTile::read(). So memory grows with the drive by some hundred bytes a tile only. If no file takes them,
 /// `max_points` bounds the points in memory, and the farthest tiles are evicted: see take_evicted(). A tile that the
-/// file does not give back is not changed any more: subscribers still have it, and new records in the same tile would
+/// file cannot return is not changed any more: subscribers still have it, and new records in the same tile would
 /// contradict theirs. move() and roll_back() delete such a tile.
 ///
 /// Counters: dense.points, dense.transient (voxels given up: nothing stayed there), dense.removed (points: seen through
 /// since), dense.evicted_tiles, dense.without_intensity (points).
 class DenseMap {
  public:
-  /// `far`: the file for spilled tiles; one without a folder keeps them in memory, packed.
-  explicit DenseMap(const config::DenseConfig& config, std::shared_ptr<SpillFile> far = std::make_shared<SpillFile>());
+  /// `spill_file`: the file for spilled tiles; one without a folder keeps them in memory, packed.
+  explicit DenseMap(const config::DenseConfig& config,
+                    std::shared_ptr<SpillFile> spill_file = std::make_shared<SpillFile>());
 
   /// Adds a registered scan; `points` in base_link. `add_new` false: hits count only in voxels that are waiting
   /// already. Returns the tiles that grew, in order.
@@ -121,15 +122,15 @@ class DenseMap {
   void move_rest(std::vector<TileKey>& grown);
   std::optional<TileKey> put(const MovedPoint& point);
   [[nodiscard]] TileGrid no_tiles() const {
-    return {voxel_steps_, far_, static_cast<std::size_t>(config_.asleep_here)};
+    return {voxel_steps_, spill_file_, static_cast<std::size_t>(config_.asleep_here)};
   }
   void bound_memory();
-  static constexpr std::size_t kAllAtOnce = 1;  // divisor of put_away(): all sleeping tiles, used where nobody waits
+  static constexpr std::size_t kAllAtOnce = 1;  // divisor of spill(): all sleeping tiles, used where nobody waits
 
   config::DenseConfig config_;
   int voxel_steps_;
   std::int64_t settle_us_;
-  std::shared_ptr<SpillFile> far_;
+  std::shared_ptr<SpillFile> spill_file_;
   TileGrid tiles_;
   TileMover mover_;  // of the points that are still to be moved
   std::vector<Waiting> waiting_;

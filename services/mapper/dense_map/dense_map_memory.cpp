@@ -12,7 +12,7 @@ namespace curbstone::mapper::dense_map {
 void DenseMap::bound_memory() {
   std::vector<TileKey> far = tiles_.sleep_beyond(base_, config_.max_range + config_.awake);
   std::int64_t here = size_ + 2 * num_removals_;
-  if (here <= config_.max_points || far_->takes()) return;
+  if (here <= config_.max_points || spill_file_->takes()) return;
   std::erase_if(far, [&](TileKey key) {
     const DenseTile& tile = *tiles_.find(key);
     if (!tile.is_in_file()) return false;
@@ -58,8 +58,8 @@ void DenseMap::load(TileKey key, std::int32_t z_origin, std::int64_t utime, cons
     ++size_;
   }
   tiles_.sleep(key);
-  tiles_.put_away(kAllAtOnce);
-  far_->flush_much();
+  tiles_.spill(kAllAtOnce);
+  spill_file_->flush_much();
 }
 
 /// A tile that was far from the vehicle, or belongs to an earlier drive, is restored asleep.
@@ -74,8 +74,8 @@ void DenseMap::restore(TileKey key, std::int32_t z_origin, TileRecords records, 
   tile.restore(std::move(records));
   size_ += static_cast<std::int64_t>(tile.num_points());
   num_removals_ += static_cast<std::int64_t>(tile.num_removals());
-  tiles_.put_away(kAllAtOnce);
-  far_->flush_much();
+  tiles_.spill(kAllAtOnce);
+  spill_file_->flush_much();
 }
 
 std::vector<TileKey> DenseMap::take_evicted() {

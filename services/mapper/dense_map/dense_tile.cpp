@@ -111,7 +111,7 @@ void DenseTile::remove(const std::vector<std::uint32_t>& records, std::int64_t u
 }
 
 std::shared_ptr<const TileRecords> DenseTile::read() const {
-  if (!is_away_) return {std::shared_ptr<const void>(), &content_};
+  if (!is_spilled_) return {std::shared_ptr<const void>(), &content_};
   try {
     return std::make_shared<const TileRecords>(packed_.read());
   } catch (const std::runtime_error&) {
@@ -127,7 +127,7 @@ void DenseTile::set_vacated(int column) {
 bool DenseTile::cut_after(std::int64_t utime) {
   if (newest_run_ <= utime) {
     utime_ = newest_run_;
-    give_back(vacated_);
+    release_memory(vacated_);
     if (!asleep_) index_points();
     return true;
   }
@@ -155,7 +155,7 @@ bool DenseTile::cut_after(std::int64_t utime) {
       content_.records.push_back(record);
     }
   }
-  give_back(vacated_);
+  release_memory(vacated_);
   if (!asleep_) index_points();
   return true;
 }
@@ -178,31 +178,31 @@ void DenseTile::sleep() {
   content_.records.shrink_to_fit();
   content_.runs.shrink_to_fit();
   occupied_ = NumberSet();
-  give_back(lowest_);
-  give_back(seen_through_);
-  give_back(vacated_);
+  release_memory(lowest_);
+  release_memory(seen_through_);
+  release_memory(vacated_);
 }
 
 /// If no record was added since the tile was read, the file still holds all of them.
-bool DenseTile::put_away(SpillFile& file) {
-  if (!asleep_ || is_away_ || content_.records.empty()) return false;
+bool DenseTile::spill(SpillFile& file) {
+  if (!asleep_ || is_spilled_ || content_.records.empty()) return false;
   if (packed_.empty() || num_packed_ != content_.records.size()) {
     packed_ = PackedRecords(content_, file);
     num_packed_ = content_.records.size();
   }
   content_ = {};
-  is_away_ = true;
+  is_spilled_ = true;
   return true;
 }
 
 bool DenseTile::bring_back() {
-  if (!is_away_) return true;
+  if (!is_spilled_) return true;
   try {
     content_ = packed_.read();
   } catch (const std::runtime_error&) {
     return false;
   }
-  is_away_ = false;
+  is_spilled_ = false;
   return true;
 }
 

@@ -47,7 +47,7 @@ class DenseTile {
   /// If they are spilled, each call reads them from the file and unpacks them, and the caller owns the copy. Null if
   /// the file cannot be read.
   [[nodiscard]] std::shared_ptr<const TileRecords> read() const;
-  [[nodiscard]] std::size_t num_records() const { return is_away_ ? num_packed_ : content_.records.size(); }
+  [[nodiscard]] std::size_t num_records() const { return is_spilled_ ? num_packed_ : content_.records.size(); }
   /// Number of points in the tile: those that were added and not removed.
   [[nodiscard]] std::size_t num_points() const { return num_records() - 2 * num_removals_; }
   [[nodiscard]] std::size_t num_removals() const { return num_removals_; }
@@ -100,10 +100,10 @@ class DenseTile {
   [[nodiscard]] bool asleep() const { return asleep_; }
   /// Spills the records of a sleeping tile. False if there is nothing to spill: the tile is awake, spilled already or
   /// empty.
-  bool put_away(SpillFile& file);
-  [[nodiscard]] bool is_away() const { return is_away_; }
+  bool spill(SpillFile& file);
+  [[nodiscard]] bool is_spilled() const { return is_spilled_; }
   /// Spilled, and in memory in no form.
-  [[nodiscard]] bool is_in_file() const { return is_away_ && packed_.is_in_file(); }
+  [[nodiscard]] bool is_in_file() const { return is_spilled_ && packed_.is_in_file(); }
   /// Reads the records back if necessary and builds the indexes. False if the file cannot be read: the tile stays
   /// spilled, and wake() does not read again before try_again().
   [[nodiscard]] bool wake();
@@ -118,7 +118,7 @@ class DenseTile {
   int voxel_steps_;
   bool asleep_ = false;
   bool has_slept_ = false;
-  bool is_away_ = false;
+  bool is_spilled_ = false;
   bool is_refused_ = false;  // the file could not be read
   std::int64_t utime_ = 0;
   std::int64_t newest_run_ = 0;  // us

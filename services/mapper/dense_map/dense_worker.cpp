@@ -34,8 +34,8 @@ void look_through(DenseMap& map, const DenseWork& work, const Pose& T_base_lidar
 }  // namespace
 
 DenseWorker::DenseWorker(const config::DenseConfig& config, const Pose& T_base_lidar, bool beside,
-                         std::shared_ptr<SpillFile> far)
-    : map_(config, std::move(far)),
+                         std::shared_ptr<SpillFile> spill_file)
+    : map_(config, std::move(spill_file)),
       T_base_lidar_(T_base_lidar),
       policy_(beside ? std::launch::async : std::launch::deferred) {}
 

@@ -44,9 +44,10 @@ struct DenseWork {
 /// still being worked on.
 class DenseWorker {
  public:
-  /// `beside`: in a thread of its own; otherwise the work is done within the wait for it. `far`: as for DenseMap.
+  /// `beside`: in a thread of its own; otherwise the work is done within the wait for it. `spill_file`: as for
+  /// DenseMap.
   DenseWorker(const config::DenseConfig& config, const Pose& T_base_lidar, bool beside,
-              std::shared_ptr<SpillFile> far = std::make_shared<SpillFile>());
+              std::shared_ptr<SpillFile> spill_file = std::make_shared<SpillFile>());
   ~DenseWorker();
   DenseWorker(const DenseWorker&) = delete;
   DenseWorker& operator=(const DenseWorker&) = delete;

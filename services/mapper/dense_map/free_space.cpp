@@ -15,7 +15,7 @@ constexpr int kLayer = kAcross * kAcross;            // cells in one
 constexpr int kBelowAll = 400;                       // cells: below every int16
 constexpr auto kRecordStep = static_cast<float>(kPositionStep);
 constexpr std::uint8_t kOften = 2;                  // scans whose beams passed through, for a point to count as free
-constexpr std::uint8_t kMost = 4;                   // scans that are counted at most
+constexpr std::uint8_t kMaxScansThrough = 4;        // scans that are counted at most
 constexpr float kLowClearance = 0.06F;              // m above the column's lowest point, below an object that is gone
 constexpr SweepImage::Margins kHigh{0.30F, 0.50F};  // m: the depth of an obstacle, and a clear margin beyond
 constexpr SweepImage::Margins kLow{0.12F, 0.15F};   // m: near the ground
@@ -76,7 +76,7 @@ std::vector<std::uint32_t> FreeSpace::look(DenseTile& tile, const Eigen::Vector3
     if ((through > 0 || candidate.through) && met_about(candidate.cell)) {
       through = 0;
     } else if (candidate.through) {
-      through = static_cast<std::uint8_t>(std::min<int>(through + 1, kMost));
+      through = static_cast<std::uint8_t>(std::min<int>(through + 1, kMaxScansThrough));
     }
     cells_[candidate.cell].free += through >= kOften ? 1 : 0;
   }

@@ -80,27 +80,27 @@ void TileGrid::sleep(TileKey key) {
 void TileGrid::fall_asleep(TileKey key, DenseTile& tile) {
   if (tile.asleep()) return;
   tile.sleep();
-  here_.push_back(key);
+  in_memory_.push_back(key);
 }
 
-void TileGrid::put_away(std::size_t share) {
-  if (here_.size() <= most_here_) return;
-  for (std::size_t left = 1 + (here_.size() - most_here_ - 1) / share; left > 0; --left) {
-    const auto it = tiles_.find(here_.front());
-    here_.pop_front();
-    if (it != tiles_.end()) it->second.put_away(*far_);
+void TileGrid::spill(std::size_t share) {
+  if (in_memory_.size() <= max_in_memory_) return;
+  for (std::size_t left = 1 + (in_memory_.size() - max_in_memory_ - 1) / share; left > 0; --left) {
+    const auto it = tiles_.find(in_memory_.front());
+    in_memory_.pop_front();
+    if (it != tiles_.end()) it->second.spill(*spill_file_);
   }
 }
 
 void TileGrid::cut_after(std::int64_t utime) {
   recent_.fill({});
   for (auto it = tiles_.begin(); it != tiles_.end();) {
-    const bool was_away = it->second.is_away();
+    const bool was_away = it->second.is_spilled();
     if (!it->second.cut_after(utime)) {
       it = tiles_.erase(it);
       continue;
     }
-    if (was_away && !it->second.is_away()) here_.push_back(it->first);
+    if (was_away && !it->second.is_spilled()) in_memory_.push_back(it->first);
     ++it;
   }
 }

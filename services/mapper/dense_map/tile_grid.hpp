@@ -26,23 +26,23 @@ namespace curbstone::mapper::dense_map {
 }
 
 /// The tiles of the dense map, and queries across their borders. Tiles far from the vehicle sleep, and the records of
-/// those that have slept for longest are spilled to a file: see put_away(). Access for a change wakes a tile. A tile
-/// that the file does not give back cannot be changed; after sleep_beyond() it is tried again. One thread.
+/// those that have slept for longest are spilled to a file: see spill(). Access for a change wakes a tile. A tile
+/// that the file cannot return cannot be changed; after sleep_beyond() it is tried again. One thread.
 class TileGrid {
  public:
-  /// `voxel_steps`: as for DenseTile; `far`: file for spilled records; `most_here`: sleeping tiles whose records stay
-  /// in memory.
-  TileGrid(int voxel_steps, std::shared_ptr<SpillFile> far, std::size_t most_here)
-      : voxel_steps_(voxel_steps), far_(std::move(far)), most_here_(most_here) {}
+  /// `voxel_steps`: as for DenseTile; `spill_file`: file for spilled records; `max_in_memory`: sleeping tiles whose
+  /// records stay in memory.
+  TileGrid(int voxel_steps, std::shared_ptr<SpillFile> spill_file, std::size_t max_in_memory)
+      : voxel_steps_(voxel_steps), spill_file_(std::move(spill_file)), max_in_memory_(max_in_memory) {}
 
   /// The tile in its current state; nullptr if there is none.
   [[nodiscard]] const DenseTile* find(TileKey key) const;
   /// Keys of all tiles, in order.
   [[nodiscard]] std::vector<TileKey> keys() const;
 
-  /// Wakes a tile; nullptr if there is none, or if the file does not give it back.
+  /// Wakes a tile; nullptr if there is none, or if the file cannot return it.
   [[nodiscard]] DenseTile* wake(TileKey key);
-  /// Wakes a tile, or creates it with this z_origin. nullptr if the file does not give it back.
+  /// Wakes a tile, or creates it with this z_origin. nullptr if the file cannot return it.
   [[nodiscard]] DenseTile* wake_or_make(TileKey key, std::int32_t z_origin);
   void erase(TileKey key);
   /// Does nothing if there is no such tile.
@@ -54,13 +54,13 @@ class TileGrid {
   void for_each(Visit visit) const {
     for (const auto& [key, tile] : tiles_) visit(tile);
   }
-  /// Calls DenseTile::cut_after() on every tile. Tiles that the file does not give back are deleted.
+  /// Calls DenseTile::cut_after() on every tile. Tiles that the file cannot return are deleted.
   void cut_after(std::int64_t utime);
 
   /// Spills records of the tiles that have slept for longest, which frees most of their memory: one in `share` of the
   /// sleeping tiles with records in memory. The newest ones are kept, so that tiles that come and go at the rim cost
   /// nothing.
-  void put_away(std::size_t share);
+  void spill(std::size_t share);
 
   /// The lowest known height in the four columns around a point (m, map); +infinity if there is none.
   [[nodiscard]] double lowest_about(const Eigen::Vector3d& point);
@@ -78,11 +78,11 @@ class TileGrid {
   void fall_asleep(TileKey key, DenseTile& tile);
 
   int voxel_steps_;
-  std::shared_ptr<SpillFile> far_;
-  std::size_t most_here_;
+  std::shared_ptr<SpillFile> spill_file_;
+  std::size_t max_in_memory_;
   Tiles tiles_;
-  std::deque<TileKey>
-      here_;  // sleeping tiles with records in memory, the longest asleep first; may list tiles that are awake or gone
+  std::deque<TileKey> in_memory_;  // sleeping tiles with records in memory, the longest asleep first; may list tiles
+                                   // that are awake or gone
   std::array<Recent, std::size_t{kRecentSide} * kRecentSide> recent_;
 };
 

@@ -8,11 +8,11 @@ namespace curbstone::mapper::intensity {
 
 namespace {
 
-constexpr std::uint64_t kLeastReturns = 200;  // with an intensity
-constexpr double kDeadZeros = 0.42;           // share of 0: lasers in order were measured at up to 0.4
-constexpr double kSaturatedAt = 250;          // the median
-constexpr double kLeastSpread = 0.10;         // of the median, between quartiles: bounds the gain on noise
-constexpr double kLeastStep = 1.5;            // of 255, likewise
+constexpr std::uint64_t kMinReturns = 200;  // with an intensity
+constexpr double kDeadZeros = 0.42;         // share of 0: lasers in order were measured at up to 0.4
+constexpr double kSaturatedAt = 250;        // the median
+constexpr double kMinSpread = 0.10;         // of the median, between quartiles: bounds the gain on noise
+constexpr double kMinStep = 1.5;            // of 255, likewise
 
 /// The intensity below which a share of the returns with an intensity lies. A value stands for the interval between the
 /// middles to its neighbours, so that devices with coarse steps have a quantile between them.
@@ -54,20 +54,20 @@ RingTable::Ring RingTable::ring_of(const RingHistograms::Counts& counts) {
   Ring ring;
   const std::uint64_t all = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
   const std::uint64_t lit = all - counts[0];
-  if (all < kLeastReturns) return ring;
+  if (all < kMinReturns) return ring;
   if (static_cast<double>(counts[0]) > kDeadZeros * static_cast<double>(all)) {
     ring.state = RingState::kDead;
     return ring;
   }
-  if (lit < kLeastReturns) return ring;
+  if (lit < kMinReturns) return ring;
   const auto total = static_cast<double>(lit);
   const double median = quantile_of(counts, total, 0.5);
   if (median >= kSaturatedAt) {
     ring.state = RingState::kSaturated;
     return ring;
   }
-  const double spread = std::max(
-      {quantile_of(counts, total, 0.75) - quantile_of(counts, total, 0.25), kLeastSpread * median, kLeastStep});
+  const double spread =
+      std::max({quantile_of(counts, total, 0.75) - quantile_of(counts, total, 0.25), kMinSpread * median, kMinStep});
   ring.state = RingState::kLearned;
   for (std::size_t raw = 1; raw < ring.entries.size(); ++raw) {
     const double value = kMedian + kQuartiles * (static_cast<double>(raw) - median) / spread;

@@ -105,7 +105,7 @@ std::string DriveJournal::new_items(const dense_map::DenseMap& map, const pose_g
     Written& written = tiles_[key];
     if (tile->num_records() <= written.records) continue;
     const auto content = tile->read();
-    if (!content) continue;  // the file of far tiles does not give it back
+    if (!content) continue;  // the file of far tiles cannot return it
     const std::size_t before = items.size();
     append_tile(items, key, tile->z_origin(), *content, written.records, written.runs);
     written = {content->records.size(), content->runs.size(), written.bytes + items.size() - before};

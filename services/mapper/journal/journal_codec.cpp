@@ -135,7 +135,7 @@ void take_tile(ItemBytes& bytes, RecordedDrive& drive, std::size_t batch) {
   const TileKey key = bytes.take_key();
   RecordedTile& tile = drive.tiles[key];
   tile.touched = batch;
-  if (!tile.away.empty()) tile.content = std::exchange(tile.away, {}).read();
+  if (!tile.spilled.empty()) tile.content = std::exchange(tile.spilled, {}).read();
   tile.z_origin = bytes.take<std::int32_t>();
   require(tile.z_origin >= -kMaxOrigin && tile.z_origin <= kMaxOrigin, "holds a tile of no height");
   require(bytes.take<std::uint32_t>() == tile.content.records.size(), "leaves out records of a tile");
@@ -163,11 +163,11 @@ intensity::RingHistograms take_rings(ItemBytes& bytes) {
   Rings rings;
   rings.scans = bytes.take<std::int32_t>();
   const std::size_t count = bytes.take_count(sizeof(Rings::Counts));
-  require(rings.scans >= 0 && count <= Rings::kMostRings, "holds more rings than a LiDAR has");
+  require(rings.scans >= 0 && count <= Rings::kMaxRings, "holds more rings than a LiDAR has");
   for (std::size_t i = 0; i < count; ++i) {
     rings.rings.push_back(bytes.take<Rings::Counts>());
     for (const std::uint32_t returns : rings.rings.back())
-      require(returns <= Rings::kMostReturns, "holds more returns of a ring than can be");
+      require(returns <= Rings::kMaxReturns, "holds more returns of a ring than can be");
   }
   return rings;
 }
@@ -328,7 +328,7 @@ void check_drive(const RecordedDrive& drive) {
     require(edge.information.allFinite(), "holds an edge that is not finite");
   }
   for (const auto& [key, tile] : drive.tiles)
-    check_tile(tile.away.empty() ? tile.content : tile.away.read(), num_nodes);
+    check_tile(tile.spilled.empty() ? tile.content : tile.spilled.read(), num_nodes);
 }
 
 }  // namespace curbstone::mapper::journal

@@ -19,9 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMuch = 4'000'000;           // bytes that are read between two spills
-constexpr std::size_t kMostRecords = 400'000;      // that stay in memory: 3 MB
-constexpr std::uint32_t kBatchMagic = 0x314c4a43;  // "CJL1"
+constexpr std::size_t kMuch = 4'000'000;              // bytes that are read between two spills
+constexpr std::size_t kMaxRecordsInMemory = 400'000;  // that stay in memory: 3 MB
+constexpr std::uint32_t kBatchMagic = 0x314c4a43;     // "CJL1"
 
 struct BatchHead {
   std::uint32_t magic = kBatchMagic;
@@ -35,12 +35,12 @@ std::uint32_t checksum_of(std::uint64_t size, std::string_view items) {
 }
 
 /// Spills parts of a drive while it is read.
-class PuttingAway {
+class DriveSpiller {
  public:
-  explicit PuttingAway(SpillFile& far) : far_(far) {}
+  explicit DriveSpiller(SpillFile& spill_file) : spill_file_(spill_file) {}
   /// Spills all but so many records, keeping the tiles that grew last: the vehicle has left the others.
-  void put_away(RecordedDrive& drive, std::size_t most_records) {
-    for (; nodes_ < drive.nodes.size(); ++nodes_) drive.nodes[nodes_].kept.points.put_away(far_);
+  void spill(RecordedDrive& drive, std::size_t most_records) {
+    for (; nodes_ < drive.nodes.size(); ++nodes_) drive.nodes[nodes_].kept.points.spill(spill_file_);
     std::vector<std::pair<std::size_t, RecordedTile*>> here;
     std::size_t records = 0;
     for (auto& [key, tile] : drive.tiles) {
@@ -52,21 +52,21 @@ class PuttingAway {
     for (std::size_t i = 0; i < here.size() && records > most_records; ++i) {
       RecordedTile& tile = *here[i].second;
       records -= tile.content.records.size();
-      tile.away = dense_map::PackedRecords(std::exchange(tile.content, {}), far_);
+      tile.spilled = dense_map::PackedRecords(std::exchange(tile.content, {}), spill_file_);
     }
-    far_.flush_much();
+    spill_file_.flush_much();
   }
 
  private:
-  SpillFile& far_;
+  SpillFile& spill_file_;
   std::size_t nodes_ = 0;
 };
 
 /// The last batch of the file may be incomplete.
-std::optional<RecordedDrive> read_batches(std::ifstream& file, std::uintmax_t bytes, SpillFile* far) {
+std::optional<RecordedDrive> read_batches(std::ifstream& file, std::uintmax_t bytes, SpillFile* spill_file) {
   RecordedDrive drive;
-  std::optional<PuttingAway> putting_away;
-  if (far != nullptr) putting_away.emplace(*far);
+  std::optional<DriveSpiller> spiller;
+  if (spill_file != nullptr) spiller.emplace(*spill_file);
   std::size_t batch = 0, read = 0;
   std::string items;
   BatchHead head;
@@ -81,12 +81,12 @@ std::optional<RecordedDrive> read_batches(std::ifstream& file, std::uintmax_t by
     if (head.checksum != checksum_of(head.size, items)) throw std::runtime_error("is damaged: a checksum is wrong");
     apply_items(items, drive, ++batch);
     read += items.size();
-    if (putting_away && read > kMuch) {
-      putting_away->put_away(drive, kMostRecords);
+    if (spiller && read > kMuch) {
+      spiller->spill(drive, kMaxRecordsInMemory);
       read = 0;
     }
   }
-  if (putting_away) putting_away->put_away(drive, 0);
+  if (spiller) spiller->spill(drive, 0);
   if (drive.epoch == 0 || drive.poses.empty()) return std::nullopt;
   check_drive(drive);
   return drive;
@@ -111,18 +111,19 @@ std::optional<double> age_of_journal(const std::string& path) {
 }
 
 std::optional<RecordedDrive> read_journal(const std::string& path, std::size_t max_bytes,
-                                          const std::string& config_hash, SpillFile* far) {
-  const std::int64_t failed_before = far != nullptr ? far->failed_reads() : 0;
+                                          const std::string& config_hash, SpillFile* spill_file) {
+  const std::int64_t failed_before = spill_file != nullptr ? spill_file->failed_reads() : 0;
   try {
     const std::uintmax_t size = fs::file_size(path);
     if (size > max_bytes) throw std::runtime_error(fmt::format("is larger than {} MB", max_bytes / 1'000'000));
     std::ifstream file(path, std::ios::binary);
-    std::optional<RecordedDrive> drive = read_batches(file, size, far);
+    std::optional<RecordedDrive> drive = read_batches(file, size, spill_file);
     if (drive && drive->config_hash != config_hash) throw std::runtime_error("is of a mapper with other settings");
     return drive;
   } catch (const std::exception& problem) {
     // Then the spill file failed, and the journal is not damaged.
-    if (far != nullptr && far->failed_reads() != failed_before) return read_journal(path, max_bytes, config_hash);
+    if (spill_file != nullptr && spill_file->failed_reads() != failed_before)
+      return read_journal(path, max_bytes, config_hash);
     throw JournalError(fmt::format("{}: {}", path, problem.what()));
   }
 }

@@ -22,9 +22,10 @@ namespace curbstone::mapper::journal {
 
 /// Reads the drive of a mapper with the same `config_hash` that was killed. Nothing if the journal has no drive yet.
 /// Throws JournalError if the journal is of a mapper with other settings, is larger than `max_bytes`, is damaged, or
-/// cannot be read. `far`: file to which most of the drive is spilled while it is read, so that it is never in memory as
-/// a whole; null: all of it is in memory.
+/// cannot be read. `spill_file`: file to which most of the drive is spilled while it is read, so that it is never in
+/// memory as a whole; null: all of it is in memory.
 [[nodiscard]] std::optional<RecordedDrive> read_journal(const std::string& path, std::size_t max_bytes,
-                                                        const std::string& config_hash, SpillFile* far = nullptr);
+                                                        const std::string& config_hash,
+                                                        SpillFile* spill_file = nullptr);
 
 }  // namespace curbstone::mapper::journal

@@ -12,8 +12,8 @@
 namespace curbstone::mapper::journal {
 namespace {
 
-constexpr std::int64_t kMostBusy = 60'000'000'000;  // ns
-constexpr std::size_t kSpare = 1'000'000;           // bytes: room for further batches
+constexpr std::int64_t kMaxBusy = 60'000'000'000;  // ns
+constexpr std::size_t kSpare = 1'000'000;          // bytes: room for further batches
 
 }  // namespace
 
@@ -32,7 +32,7 @@ bool JournalWriter::busy() {
 }
 
 bool JournalWriter::is_stuck() const {
-  return under_way_.valid() && steady_clock() - began_ > kMostBusy;
+  return under_way_.valid() && steady_clock() - began_ > kMaxBusy;
 }
 
 bool JournalWriter::has_room_again() const {

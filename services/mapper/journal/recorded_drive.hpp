@@ -37,8 +37,8 @@ struct RecordedNode {
 struct RecordedTile {
   std::int32_t z_origin = 0;  ///< m in map
   dense_map::TileRecords content;
-  dense_map::PackedRecords away = {};  ///< if not empty, it holds the records, and `content` is empty
-  std::size_t touched = 0;             ///< while reading: number of the batch in which it last grew
+  dense_map::PackedRecords spilled = {};  ///< if not empty, it holds the records, and `content` is empty
+  std::size_t touched = 0;                ///< while reading: number of the batch in which it last grew
 };
 
 /// What a mapper needs to continue the drive of one that died.

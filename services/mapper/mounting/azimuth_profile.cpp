@@ -13,8 +13,8 @@ constexpr float kNear = 1.5F;          // m
 constexpr float kFar = 60.0F;          // m
 constexpr float kOtherSurface = 1.0F;  // m: ranges that differ by more belong to different surfaces
 constexpr std::size_t kMinRanges = 300;
-constexpr std::size_t kSearched = 500;  // ranges that a search uses; all are used to refine
-constexpr double kNearUsual = 1.2;      // times the usual residual
+constexpr std::size_t kSearchRanges = 500;  // ranges that a search uses; all are used to refine
+constexpr double kNearUsual = 1.2;          // times the usual residual
 
 /// The bin of a direction. The arctangent is a polynomial, good to 1e-4 rad: this is most of the time that a profile
 /// takes.
@@ -56,7 +56,7 @@ std::optional<AzimuthProfile::Turn> AzimuthProfile::turn_since(const AzimuthProf
   const double at_zero = residual(earlier, 0);
   int best = 0;
   if (at_zero > kNearUsual * usual) {
-    const std::size_t stride = std::max<std::size_t>(size() / kSearched, 1);
+    const std::size_t stride = std::max<std::size_t>(size() / kSearchRanges, 1);
     double least = residual(earlier, 0, stride);
     for (int bins = -kMaxTurn; bins <= kMaxTurn; ++bins) {
       const double found = residual(earlier, bins, stride);

@@ -7,25 +7,25 @@
 #include <utility>
 
 #include "common/bus/levels.hpp"
-#include "services/mapper/mounting/agreed.hpp"
+#include "services/mapper/mounting/consistent_median.hpp"
 #include "services/mapper/scan/scan.hpp"
 
 namespace curbstone::mapper::mounting {
 namespace {
 
 constexpr std::int64_t kLongestTurnStep = 300'000;  // us: largest interval between revolutions whose turns are added up
-constexpr int kJudgeEach = 10;                      // revolutions between attempts at an estimate
-constexpr int kLongestWait = 2400;    // revolutions without an estimate, after which the correlation starts anew
-constexpr double kAlikeTurns = 10;    // consecutive revolutions that count as one: their turns overlap
-constexpr std::ptrdiff_t kArm = 3;    // steps to either side of the best one, for the curvature
-constexpr double kLagSpread = 0.015;  // s: largest half-width of the middle half of the estimates
+constexpr int kEstimatePeriod = 10;                 // revolutions between attempts at an estimate
+constexpr int kLongestWait = 2400;  // revolutions without an estimate, after which the correlation starts anew
+constexpr double kCorrelatedRevolutions = 10;  // consecutive revolutions that count as one: their turns overlap
+constexpr std::ptrdiff_t kArm = 3;             // steps to either side of the best one, for the curvature
+constexpr double kLagSpread = 0.015;           // s: largest half-width of the middle half of the estimates
 
 double turn_of(const Pose& motion) {
   return std::atan2(motion.linear()(1, 0), motion.linear()(0, 0));
 }
 
 std::int64_t lag_at(std::size_t i) {
-  return static_cast<std::int64_t>(i) * LidarLag::kStep - LidarLag::kReach;
+  return static_cast<std::int64_t>(i) * LidarLag::kStep - LidarLag::kMaxShift;
 }
 
 }  // namespace
@@ -45,7 +45,7 @@ double LidarLag::Correlation::unexplained() const {
 }
 
 void LidarLag::add(std::int64_t utime, const Pose& T_map_base, const Pose& T_odom_base) {
-  constexpr std::int64_t kKept = 2 * kReach + kOver;
+  constexpr std::int64_t kKept = 2 * kMaxShift + kSpan;
   if (!turned_.empty() && (utime <= turned_.back().utime || utime - turned_.back().utime > kLongestTurnStep))
     interrupt();
   Turned turned{utime};
@@ -59,14 +59,14 @@ void LidarLag::add(std::int64_t utime, const Pose& T_map_base, const Pose& T_odo
   if (utime - turned_.front().utime < kKept) return;
   while (utime - turned_[1].utime >= kKept) turned_.pop_front();
 
-  const std::int64_t then = utime - kReach;  // odometry must be known equally long before and after
+  const std::int64_t then = utime - kMaxShift;  // odometry must be known equally long before and after
   const double by_scans = over(&Turned::by_scans, then);
   for (std::size_t i = 0; i < correlations_.size(); ++i)
     correlations_[i].add(over(&Turned::by_odometry, then - lag_at(i)), by_scans);
-  if (std::fmod(correlations_.front().n, kJudgeEach) == 0) judge();
+  if (std::fmod(correlations_.front().n, kEstimatePeriod) == 0) judge();
 }
 
-/// The turn over kOver until `utime`.
+/// The turn over kSpan until `utime`.
 double LidarLag::over(double Turned::*by, std::int64_t utime) const {
   const auto at = [&](std::int64_t t) {
     const auto after = std::lower_bound(turned_.begin() + 1, turned_.end() - 1, t,
@@ -76,7 +76,7 @@ double LidarLag::over(double Turned::*by, std::int64_t utime) const {
     const double share = static_cast<double>(t - a.utime) / static_cast<double>(b.utime - a.utime);
     return a.*by + share * (b.*by - a.*by);
   };
-  return at(utime) - at(utime - kOver);
+  return at(utime) - at(utime - kSpan);
 }
 
 /// The lag with the smallest unexplained part, if that is clearly smaller than at the lags beside it.
@@ -88,8 +88,8 @@ std::optional<double> LidarLag::estimate() const {
   constexpr double kArmSeconds = 1e-6 * kArm * kStep;
   const double bend = (before - 2 * least + after) / (2 * kArmSeconds * kArmSeconds);  // rad^2/s^2
   if (!(bend > 0)) return std::nullopt;
-  const double sigma = std::sqrt(kAlikeTurns * least / best->n / bend);
-  if (sigma > kSure) return std::nullopt;
+  const double sigma = std::sqrt(kCorrelatedRevolutions * least / best->n / bend);
+  if (sigma > kMaxSigma) return std::nullopt;
   const double beside = (before - after) / (4 * kArmSeconds * bend);
   return 1e-6 * static_cast<double>(lag_at(static_cast<std::size_t>(best - correlations_.begin()))) + beside;
 }
@@ -100,7 +100,7 @@ void LidarLag::judge() {
     std::fill(correlations_.begin(), correlations_.end(), Correlation{});
   if (!found) return;
   estimates_.push_back(*found);
-  if (estimates_.size() > kMost) estimates_.pop_front();
+  if (estimates_.size() > kMaxEstimates) estimates_.pop_front();
   const std::optional<double> is = lag();
   if (!is) return;
   const bool was = std::exchange(wrong_, std::abs(*is) > (wrong_ ? kSettled : 1.0) * kWrong);
@@ -109,7 +109,7 @@ void LidarLag::judge() {
 }
 
 std::optional<double> LidarLag::lag() const {
-  return agreed({estimates_.begin(), estimates_.end()}, kLagSpread, kLeast);
+  return consistent_median({estimates_.begin(), estimates_.end()}, kLagSpread, kMinEstimates);
 }
 
 void LidarLag::add_faults(std::vector<std::string>& faults) const {

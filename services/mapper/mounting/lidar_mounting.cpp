@@ -9,10 +9,10 @@
 namespace curbstone::mapper::mounting {
 namespace {
 
-constexpr double kLongestStep = 0.3;   // s: largest interval between revolutions from which the motion is computed
-constexpr double kLookEach = 0.5;      // m
-constexpr double kMostSideways = 0.5;  // m/s^2: above it the vehicle leans in the bend
-constexpr double kMirrored = -0.5;     // LiDAR's turn divided by odometry's
+constexpr double kLongestStep = 0.3;    // s: largest interval between revolutions from which the motion is computed
+constexpr double kSampleSpacing = 0.5;  // m
+constexpr double kMaxLateralAcceleration = 0.5;  // m/s^2: above it the vehicle leans in the bend
+constexpr double kMirrored = -0.5;               // LiDAR's turn divided by odometry's
 
 bool beyond(double value, double limit, bool was) {
   return std::abs(value) > (was ? LidarMounting::kSettled : 1.0) * limit;
@@ -30,20 +30,20 @@ void LidarMounting::interrupt() {
   looked_.setConstant(1e9);
 }
 
-void LidarMounting::add(const FittedScan& scan) {
+void LidarMounting::add(const RegisteredScan& scan) {
   const double seconds = scan::seconds(utime_, scan.utime);
   const Pose moved = T_map_base_.inverse() * scan.T_map_base;
   const bool goes_on = seconds > 0 && seconds < kLongestStep;
   utime_ = scan.utime;
   T_map_base_ = scan.T_map_base;
-  if (scan.T_odom_base && scan.in_every_direction)
+  if (scan.T_odom_base && scan.is_fully_constrained)
     travel_.add(scan.T_map_base, *scan.T_odom_base);
   else
     travel_.interrupt();
   const double sideways = goes_on ? moved.translation().norm() * angle_of(moved) / (seconds * seconds) : 1e9;
-  if ((scan.T_map_base.translation() - looked_).norm() < kLookEach || sideways > kMostSideways) return;
+  if ((scan.T_map_base.translation() - looked_).norm() < kSampleSpacing || sideways > kMaxLateralAcceleration) return;
   looked_ = scan.T_map_base.translation();
-  ground_.look(*scan.points);
+  ground_.add(*scan.points);
   judge();
 }
 
@@ -52,8 +52,8 @@ void LidarMounting::judge() {
   if (const auto turning = travel_.turning()) wrong_.mirrored = *turning < kMirrored;
   if (const auto straight = travel_.straight()) {
     straight_ = *straight;
-    wrong_.yaw = beyond(straight->aslant, kYaw, before.yaw);
-    wrong_.size = beyond(straight->longer, kLength, before.size);
+    wrong_.yaw = beyond(straight->heading_offset, kYaw, before.yaw);
+    wrong_.size = beyond(straight->length_error, kLength, before.size);
   }
   if (const auto plane = ground_.plane()) {
     plane_ = *plane;
@@ -72,7 +72,7 @@ std::vector<double> LidarMounting::lidar() const {
   const Eigen::Vector3d up = Eigen::Vector3d(-plane_.along, -plane_.across, 1.0).normalized();
   const Eigen::Matrix3d level = Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   const Eigen::Matrix3d R =
-      Eigen::AngleAxisd(-straight_.aslant, Eigen::Vector3d::UnitZ()) * level * T_base_lidar.linear();
+      Eigen::AngleAxisd(-straight_.heading_offset, Eigen::Vector3d::UnitZ()) * level * T_base_lidar.linear();
   const Eigen::Vector3d rpy = roll_pitch_yaw(R);
   const Eigen::Vector3d& at = T_base_lidar.translation();
   const double above = (at.z() - plane_.height - plane_.along * at.x() - plane_.across * at.y()) * up.z();
@@ -91,7 +91,7 @@ void LidarMounting::add_faults(std::vector<std::string>& faults) const {
     std::string what;
     if (wrong_.tilt)
       what += fmt::format(", leans by {:.1f} deg", degrees(std::atan(std::hypot(plane_.along, plane_.across))));
-    if (wrong_.yaw) what += fmt::format(", looks {:.1f} deg aside", degrees(std::abs(straight_.aslant)));
+    if (wrong_.yaw) what += fmt::format(", looks {:.1f} deg aside", degrees(std::abs(straight_.heading_offset)));
     if (wrong_.height)
       what += fmt::format(", is {:.2f} m too {}", std::abs(plane_.height), plane_.height > 0 ? "low" : "high");
     const std::vector<double> is = lidar();
@@ -104,8 +104,8 @@ void LidarMounting::add_faults(std::vector<std::string>& faults) const {
   if (wrong_.size)
     faults.push_back(
         fmt::format("WHEELS: odometry's way is {:.1f} % {} than the LiDAR's: vehicle.wheel_radius is {:.3f} m or {}",
-                    100 * std::abs(straight_.longer), straight_.longer > 0 ? "longer" : "shorter", wheel_radius(),
-                    straight_.longer > 0 ? "less" : "more"));
+                    100 * std::abs(straight_.length_error), straight_.length_error > 0 ? "longer" : "shorter",
+                    wheel_radius(), straight_.length_error > 0 ? "less" : "more"));
 }
 
 }  // namespace curbstone::mapper::mounting

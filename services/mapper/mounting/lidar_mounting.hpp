@@ -8,26 +8,26 @@
 #include "common/bus/counters.hpp"
 #include "common/config/vehicle.hpp"
 #include "common/geometry/geometry.hpp"
-#include "services/mapper/mounting/ground_below.hpp"
+#include "services/mapper/mounting/ground_plane_estimator.hpp"
 #include "services/mapper/mounting/travel_direction.hpp"
 #include "services/mapper/scan/scan.hpp"
 
 namespace curbstone::mapper::mounting {
 
 /// A revolution that registration matched to the map.
-struct FittedScan {
+struct RegisteredScan {
   std::int64_t utime = 0;                            ///< us, its end
   const std::vector<scan::LidarPoint>* points = {};  ///< de-skewed, in base_link
   Pose T_map_base = Pose::Identity();
-  std::optional<Pose> T_odom_base;  ///< pose by odometry
-  bool in_every_direction = false;  ///< no planar direction (x, y, yaw) was left to odometry
+  std::optional<Pose> T_odom_base;    ///< pose by odometry
+  bool is_fully_constrained = false;  ///< no planar direction (x, y, yaw) was left to odometry
 };
 
 /// Checks that the LiDAR is mounted as `vehicle.lidar` says, and that the wheels match `vehicle.wheel_radius`: the
 /// usual mistakes on a new vehicle, and the effect of a knock on any. Roll, pitch and height come from the ground in
-/// the strip that the vehicle drives in (GroundBelow); yaw, upside down and wheel size from its direction of travel
-/// (TravelDirection). With a wrong mounting the map is consistent but wrong: it leans, and its curbs are displaced from
-/// the real ones.
+/// the strip that the vehicle drives in (GroundPlaneEstimator); yaw, upside down and wheel size from its direction of
+/// travel (TravelDirection). With a wrong mounting the map is consistent but wrong: it leans, and its curbs are
+/// displaced from the real ones.
 ///
 /// The limits are beyond the effect of load, tyres and cambered roads. A fault stays raised until the value is below
 /// kSettled of the limit. A function of the calls. Pure; one thread. Counters: faults.lidar.tilted, .height, .turned,
@@ -43,7 +43,7 @@ class LidarMounting {
 
   explicit LidarMounting(const VehicleConfig& vehicle) : vehicle_(vehicle) {}
 
-  void add(const FittedScan& scan);
+  void add(const RegisteredScan& scan);
   /// Breaks the sequence: a revolution did not fit, or the map was rearranged.
   void interrupt();
 
@@ -56,7 +56,7 @@ class LidarMounting {
   /// x y z in m, roll pitch yaw in rad: the `vehicle.lidar` that ground and direction of travel suggest.
   [[nodiscard]] std::vector<double> lidar() const;
   /// m. The odometry filter has already learnt part of the error: this corrects the rest.
-  [[nodiscard]] double wheel_radius() const { return vehicle_.wheel_radius / (1 + straight_.longer); }  ///< m
+  [[nodiscard]] double wheel_radius() const { return vehicle_.wheel_radius / (1 + straight_.length_error); }  ///< m
   void add_faults(std::vector<std::string>& faults) const;
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -64,7 +64,7 @@ class LidarMounting {
   void judge();
 
   VehicleConfig vehicle_;
-  GroundBelow ground_;
+  GroundPlaneEstimator ground_;
   TravelDirection travel_;
   std::int64_t utime_ = 0;  // us, of the last revolution
   Pose T_map_base_ = Pose::Identity();

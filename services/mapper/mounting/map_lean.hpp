@@ -21,19 +21,19 @@ namespace curbstone::mapper::mounting {
 /// Pure; one thread. Counter: faults.apart.lean (times that the fault began).
 class MapLean {
  public:
-  static constexpr double kMost = 0.087;           ///< rad: 5 deg. Odometry is right to 1 deg, also under braking
-  static constexpr std::int64_t kFor = 3'000'000;  ///< us, without a break
+  static constexpr double kMaxLean = 0.087;  ///< rad: 5 deg. Odometry is right to 1 deg, also under braking
+  static constexpr std::int64_t kMinDuration = 3'000'000;  ///< us, without a break
 
   /// Adds the next revolution, which fitted the map.
   void add(std::int64_t utime, const Pose& T_map_base, const Pose& T_odom_base) {
     const double alike = T_map_base.linear().row(2).dot(T_odom_base.linear().row(2));  // of z, in base_link
     lean_ = std::acos(std::clamp(alike, -1.0, 1.0));
-    if (lean_ < kMost || utime < since_) {
+    if (lean_ < kMaxLean || utime < since_) {
       since_ = 0;
       leans_ = false;
     } else if (since_ == 0) {
       since_ = utime;
-    } else if (!leans_ && utime - since_ >= kFor) {
+    } else if (!leans_ && utime - since_ >= kMinDuration) {
       leans_ = true;
       counters_.add("faults.apart.lean");
     }
@@ -54,7 +54,7 @@ class MapLean {
 
  private:
   double lean_ = 0.0;       // rad
-  std::int64_t since_ = 0;  // us: start of the lean beyond kMost; 0: none
+  std::int64_t since_ = 0;  // us: start of the lean beyond kMaxLean; 0: none
   bool leans_ = false;
   Counters counters_;
 };

@@ -10,9 +10,9 @@
 namespace curbstone::mapper::mounting {
 namespace {
 
-constexpr std::size_t kApart = 2;  // scans: one during which it turns agrees neither with the one before nor after
-constexpr int kRest = 3;           // still scans in a row: where a swing turns back, one or two look so
-constexpr double kClear = 0.9;     // of the residual without a turn, at most
+constexpr std::size_t kScanOffset = 2;  // scans: one during which it turns agrees neither with the one before nor after
+constexpr int kMinStillScans = 3;       // still scans in a row: where a swing turns back, one or two look so
+constexpr double kMaxResidualRatio = 0.9;        // of the residual without a turn, at most
 constexpr std::int64_t kLongestPause = 300'000;  // us
 constexpr std::int64_t kPatience = 500'000;      // us until it must be still
 constexpr double kUsualGrowth = 1.01;            // of the usual residual, a scan
@@ -20,56 +20,56 @@ constexpr std::int64_t kCreepSpan = 1'000'000;   // us: a turn is gradual if bef
 constexpr double kCreep = 3 * MountYaw::kTurn;   // it already turned by this much
 constexpr std::int64_t kShakeSpan = 3'000'000;   // us: kShakeTurns turns within it are a shake,
 constexpr std::size_t kShakeTurns = 4;
-constexpr std::int64_t kQuiet = 2'000'000;  // us without a turn: it shakes no more
+constexpr std::int64_t kMinQuietTime = 2'000'000;  // us without a turn: it shakes no more
 
 double in_degrees(double rad) {
   return rad * 180 / std::numbers::pi;
 }
 
 bool is_turn(const AzimuthProfile::Turn& turn) {
-  return std::abs(turn.angle) > MountYaw::kTurn && turn.residual < kClear * turn.residual_at_zero;
+  return std::abs(turn.angle) > MountYaw::kTurn && turn.residual < kMaxResidualRatio * turn.residual_at_zero;
 }
 
 }  // namespace
 
-MountYaw::Sight MountYaw::add(const Look& look) {
+MountYaw::Result MountYaw::add(const Observation& look) {
   if (look.utime <= utime_ || look.utime - utime_ > kLongestPause) interrupt();
   utime_ = look.utime;
-  if (shakes_ && std::abs(utime_ - turning_) > kQuiet) shakes_ = false;
+  if (shakes_ && std::abs(utime_ - turning_) > kMinQuietTime) shakes_ = false;
   earlier_.push_back({look.T_odom_base, AzimuthProfile(*look.points, Pose::Identity(), lidar_)});
-  if (earlier_.size() <= kApart) return before_ || shakes_ ? Sight::kUnsure : Sight::kFirm;
+  if (earlier_.size() <= kScanOffset) return before_ || shakes_ ? Result::kUncertain : Result::kStable;
   Earlier earlier = std::move(earlier_.front());
   earlier_.pop_front();
   const auto turn = turn_since(earlier, look);
   if (!turn) {
     interrupt();
-    return shakes_ ? Sight::kUnsure : Sight::kFirm;
+    return shakes_ ? Result::kUncertain : Result::kStable;
   }
   const bool is_turning = is_turn(*turn);
   const bool is_still = std::abs(turn->angle) < 0.5 * kTurn;
   const bool creeps = crept() > kCreep;
-  creeping_.emplace_back(utime_, std::clamp(turn->angle / kApart, -kTurn, kTurn));  // a leap is no creep
+  creeping_.emplace_back(utime_, std::clamp(turn->angle / kScanOffset, -kTurn, kTurn));  // a leap is no creep
   if (is_turning) turning_ = utime_;
   if (is_still) usual_ = usual_ > 0 ? std::min(turn->residual, kUsualGrowth * usual_) : turn->residual;
   if (is_still) gave_up_ = false;
   still_ = is_still ? still_ + 1 : 0;
-  if (shakes_) return Sight::kUnsure;
+  if (shakes_) return Result::kUncertain;
 
   if (!before_) {
-    if (gave_up_ || creeps || !is_turning) return Sight::kFirm;
+    if (gave_up_ || creeps || !is_turning) return Result::kStable;
     before_ = std::move(earlier);
-    doubt_since_ = utime_;
-  } else if (still_ >= kRest) {
+    unsure_since_ = utime_;
+  } else if (still_ >= kMinStillScans) {
     const auto since = turn_since(*before_, look);
     before_.reset();
-    return since ? conclude(*since) : Sight::kFirm;
-  } else if (utime_ - doubt_since_ > kPatience) {
+    return since ? conclude(*since) : Result::kStable;
+  } else if (utime_ - unsure_since_ > kPatience) {
     interrupt();
     if (look.turn_confirmed && !creeps) return begin_to_shake();
     gave_up_ = true;
-    return Sight::kFirm;
+    return Result::kStable;
   }
-  return Sight::kUnsure;
+  return Result::kUncertain;
 }
 
 /// rad, the turn of the last second, without leaps.
@@ -81,8 +81,8 @@ double MountYaw::crept() {
 }
 
 /// The LiDAR is still again. `since`: the turn since before.
-MountYaw::Sight MountYaw::conclude(const AzimuthProfile::Turn& since) {
-  if (!is_turn(since)) return Sight::kFirm;
+MountYaw::Result MountYaw::conclude(const AzimuthProfile::Turn& since) {
+  if (!is_turn(since)) return Result::kStable;
   while (!turns_.empty() && std::abs(utime_ - turns_.front()) > kShakeSpan) turns_.pop_front();
   if (turns_.empty()) quiet_yaw_ = yaw_;
   turns_.push_back(utime_);
@@ -94,20 +94,20 @@ MountYaw::Sight MountYaw::conclude(const AzimuthProfile::Turn& since) {
   yaw_ -= since.angle;  // what stands still turns the other way
   largest_ = std::max({largest_, std::abs(yaw_), std::abs(since.angle)});
   earlier_.clear();
-  return Sight::kTurned;
+  return Result::kTurned;
 }
 
-MountYaw::Sight MountYaw::begin_to_shake() {
+MountYaw::Result MountYaw::begin_to_shake() {
   counters_.add("faults.lidar.shakes");
   shakes_ = true;
   shook_ = turning_ = utime_;
   if (!turns_.empty()) yaw_ = quiet_yaw_;
   turns_.clear();
   earlier_.clear();
-  return Sight::kUnsure;
+  return Result::kUncertain;
 }
 
-std::optional<AzimuthProfile::Turn> MountYaw::turn_since(const Earlier& earlier, const Look& look) const {
+std::optional<AzimuthProfile::Turn> MountYaw::turn_since(const Earlier& earlier, const Observation& look) const {
   const AzimuthProfile there(*look.points, earlier.T_odom_base.inverse() * look.T_odom_base, lidar_);
   return there.turn_since(earlier.profile, usual_);
 }
@@ -127,8 +127,8 @@ void MountYaw::add_faults(std::vector<std::string>& faults) const {
     faults.push_back(fmt::format(
         "LiDAR: it shook in its mount, {:.0f} s ago: tighten its mount. The map has a gap there", seconds_ago(shook_)));
   }
-  const bool is_away = std::abs(yaw_) > kTurn;
-  if (turned_ == 0 || (!is_away && utime_ - turned_ > kReportedFor)) return;
+  const bool is_turned = std::abs(yaw_) > kTurn;
+  if (turned_ == 0 || (!is_turned && utime_ - turned_ > kReportedFor)) return;
   faults.push_back(fmt::format(
       "LiDAR: it turned by {:.1f} deg in its mount, {:.0f} s ago ({} times in all), and looks {:.1f} deg to "
       "the {} of where vehicle.lidar says: tighten its mount. The map follows it",

@@ -29,24 +29,24 @@ class MountYaw {
   static constexpr std::int64_t kReportedFor = 60'000'000;  ///< us after the last turn, if it is back where it was
 
   /// A scan, and what odometry says of it.
-  struct Look {
+  struct Observation {
     std::int64_t utime = 0;                            ///< us, its end
     const std::vector<scan::LidarPoint>* points = {};  ///< de-skewed, in base_link, with yaw() corrected
     Pose T_odom_base = Pose::Identity();
     bool turn_confirmed = false;  ///< wheels and gyro agree on the turn
   };
   /// What the scan shows.
-  enum class Sight {
-    kFirm,    ///< the LiDAR looks where it did
-    kUnsure,  ///< it may be turning: the scan should not be used
-    kTurned,  ///< it has turned: yaw() is new
+  enum class Result {
+    kStable,     ///< the LiDAR looks where it did
+    kUncertain,  ///< it may be turning: the scan should not be used
+    kTurned,     ///< it has turned: yaw() is new
   };
 
   /// `lidar`: position in base_link, m.
   explicit MountYaw(const Eigen::Vector3d& lidar) : lidar_(lidar) {}
 
   /// Takes the next scan.
-  Sight add(const Look& look);
+  Result add(const Observation& look);
   /// Breaks the sequence: nothing measures the vehicle's turn.
   void interrupt();
   /// rad, to the left: how far the LiDAR has turned since the start.
@@ -60,16 +60,16 @@ class MountYaw {
     Pose T_odom_base;
     AzimuthProfile profile;
   };
-  [[nodiscard]] std::optional<AzimuthProfile::Turn> turn_since(const Earlier& earlier, const Look& look) const;
-  Sight conclude(const AzimuthProfile::Turn& since);
-  Sight begin_to_shake();
+  [[nodiscard]] std::optional<AzimuthProfile::Turn> turn_since(const Earlier& earlier, const Observation& look) const;
+  Result conclude(const AzimuthProfile::Turn& since);
+  Result begin_to_shake();
   [[nodiscard]] double crept();
 
   Eigen::Vector3d lidar_;
   std::int64_t utime_ = 0;                                // us, of the last scan
   std::deque<Earlier> earlier_;                           // the last two scans
   std::optional<Earlier> before_;                         // the scan before those that are in doubt
-  std::int64_t doubt_since_ = 0;                          // us
+  std::int64_t unsure_since_ = 0;                         // us
   int still_ = 0;                                         // scans in a row that show no turn
   std::deque<std::pair<std::int64_t, double>> creeping_;  // us, rad: turn between two scans, for a second
   double usual_ = 0;                                      // residual of two scans that show no turn, lately

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <vector>
 
-#include "services/mapper/mounting/agreed.hpp"
+#include "services/mapper/mounting/consistent_median.hpp"
 
 namespace curbstone::mapper::mounting {
 namespace {
@@ -19,7 +19,7 @@ double yaw_of(const Pose& motion) {
 template <class Values>
 void keep(Values& values, typename Values::value_type value) {
   values.push_back(value);
-  if (values.size() > TravelDirection::kMost) values.pop_front();
+  if (values.size() > TravelDirection::kMaxSamples) values.pop_front();
 }
 
 }  // namespace
@@ -35,8 +35,8 @@ void TravelDirection::add(const Pose& T_map_base, const Pose& T_odom_base) {
     const Eigen::Vector3d& a = odometry.translation();
     const Eigen::Vector3d& b = moved.translation();
     // The angle between the two displacements, not from x: it is the same for a vehicle that reverses.
-    const double aslant = std::atan2(a.x() * b.y() - a.y() * b.x(), a.head<2>().dot(b.head<2>()));
-    keep(straights_, {aslant, a.head<2>().norm() / way - 1});
+    const double heading_offset = std::atan2(a.x() * b.y() - a.y() * b.x(), a.head<2>().dot(b.head<2>()));
+    keep(straights_, {heading_offset, a.head<2>().norm() / way - 1});
   } else {
     return;
   }
@@ -44,20 +44,20 @@ void TravelDirection::add(const Pose& T_map_base, const Pose& T_odom_base) {
 }
 
 std::optional<TravelDirection::Straight> TravelDirection::straight() const {
-  std::vector<double> aslant, longer;
+  std::vector<double> heading_offset, length_error;
   for (const Straight& stretch : straights_) {
-    const double from_first = stretch.aslant - straights_.front().aslant;  // half a turn: +pi and -pi
-    aslant.push_back(straights_.front().aslant + std::remainder(from_first, 2 * std::numbers::pi));
-    longer.push_back(stretch.longer);
+    const double from_first = stretch.heading_offset - straights_.front().heading_offset;  // half a turn: +pi and -pi
+    heading_offset.push_back(straights_.front().heading_offset + std::remainder(from_first, 2 * std::numbers::pi));
+    length_error.push_back(stretch.length_error);
   }
-  const auto direction = agreed(std::move(aslant), kSpread, kLeast);
-  const auto length = agreed(std::move(longer), kSpread, kLeast);
+  const auto direction = consistent_median(std::move(heading_offset), kSpread, kMinSamples);
+  const auto length = consistent_median(std::move(length_error), kSpread, kMinSamples);
   if (!direction || !length) return std::nullopt;
   return Straight{std::remainder(*direction, 2 * std::numbers::pi), *length};
 }
 
 std::optional<double> TravelDirection::turning() const {
-  return agreed({turns_.begin(), turns_.end()}, kTurnSpread, kLeast);
+  return consistent_median({turns_.begin(), turns_.end()}, kTurnSpread, kMinSamples);
 }
 
 }  // namespace curbstone::mapper::mounting

@@ -13,13 +13,13 @@ namespace curbstone::mapper::mounting {
 /// seems to turn the other way; wheels of another size give another length. Medians make slip and slipped registrations
 /// harmless.
 ///
-/// Keeps the last kMost straight stretches and the last kMost turns. Pure; one thread.
+/// Keeps the last kMaxSamples straight stretches and the last kMaxSamples turns. Pure; one thread.
 class TravelDirection {
  public:
-  static constexpr double kStretch = 4.0;    ///< m
-  static constexpr double kTurn = 0.06;      ///< rad
-  static constexpr std::size_t kLeast = 10;  ///< stretches, or turns, before there is a result
-  static constexpr std::size_t kMost = 16;
+  static constexpr double kStretch = 4.0;         ///< m
+  static constexpr double kTurn = 0.06;           ///< rad
+  static constexpr std::size_t kMinSamples = 10;  ///< stretches, or turns, before there is a result
+  static constexpr std::size_t kMaxSamples = 16;
 
   /// Adds the next revolution, which fitted the map in every direction.
   void add(const Pose& T_map_base, const Pose& T_odom_base);
@@ -28,13 +28,13 @@ class TravelDirection {
 
   /// Result of the straight stretches.
   struct Straight {
-    double aslant = 0;  ///< rad, direction by the LiDAR, to the left of that by odometry
-    double longer = 0;  ///< length by odometry divided by that by the LiDAR, less 1
+    double heading_offset = 0;  ///< rad, direction by the LiDAR, to the left of that by odometry
+    double length_error = 0;    ///< length by odometry divided by that by the LiDAR, less 1
   };
-  /// None before kLeast stretches, or if they do not agree.
+  /// None before kMinSamples stretches, or if they do not agree.
   [[nodiscard]] std::optional<Straight> straight() const;
-  /// Turn by the LiDAR divided by that by odometry: 1, or -1 if the LiDAR is upside down. None before kLeast turns, or
-  /// if they do not agree.
+  /// Turn by the LiDAR divided by that by odometry: 1, or -1 if the LiDAR is upside down. None before kMinSamples
+  /// turns, or if they do not agree.
   [[nodiscard]] std::optional<double> turning() const;
 
  private:

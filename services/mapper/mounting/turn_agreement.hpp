@@ -30,18 +30,18 @@ class TurnAgreement {
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
-  struct Apart {
-    double most = 0;         // rad, since the disagreement began
+  struct Disagreement {
+    double max = 0;          // rad, since the disagreement began
     std::int64_t since = 0;  // us, of the last disagreement; 0: never
   };
-  void note(Apart& apart, double by, double limit, const char* counter);
-  [[nodiscard]] bool is_reported(const Apart& apart) const {
+  void note(Disagreement& apart, double by, double limit, const char* counter);
+  [[nodiscard]] bool is_reported(const Disagreement& apart) const {
     return apart.since != 0 && utime_ - apart.since < kReportedFor;
   }
 
   scan::PosePairs pairs_;
   std::int64_t utime_ = 0;
-  Apart turn_, tilt_;
+  Disagreement turn_, tilt_;
   Counters counters_;
 };
 

@@ -14,7 +14,7 @@ constexpr double kThin = 0.3;           // m: one point of the scan counts per s
 constexpr double kTurnStep = 0.014;     // rad: half of it moves a point at 30 m by 0.2 m
 constexpr double kMatchesApart = 1.5;   // m, between distinct poses
 constexpr double kMatchesTurned = 0.1;  // rad
-constexpr double kLeast = 0.5;          // score: at its true pose every scan scores more
+constexpr double kMinLikelihood = 0.5;  // score: at its true pose every scan scores more
 constexpr double kBehind = 0.35;        // score: a pose this far behind the best is no rival
 // Bounds the time, as points looked up on the map. A place that is found takes less than half of it, except for the
 // widest searches, where it may take 385 of 470 million (bench_places).
@@ -55,7 +55,7 @@ class BranchAndBound {
         range_(range),
         shifts_(static_cast<int>(std::ceil(range.reach / PrecomputationGrids::kCell))),
         full_(255.0 * static_cast<double>(points.size())),
-        least_(static_cast<int>(kLeast * full_)) {
+        least_(static_cast<int>(kMinLikelihood * full_)) {
     const int turns = static_cast<int>(std::ceil(std::min(range.turn, std::numbers::pi) / kTurnStep));
     step_ = turns > 0 ? std::min(range.turn, std::numbers::pi) / turns : 0;
     for (int i = -turns; i <= turns; ++i) {

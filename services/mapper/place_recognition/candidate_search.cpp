@@ -10,17 +10,17 @@
 namespace curbstone::mapper::place_recognition {
 namespace {
 
-constexpr double kBeyond = 25.0;          // m around the possible positions: nodes within it show what the vehicle sees
-constexpr double kMostReach = 50.0;       // m
-constexpr std::size_t kMostNodes = 30;    // that are taken into account
-constexpr double kNodesApart = 1.5;       // m: a node nearer to another adds nothing
-constexpr std::size_t kSightNodes = 3;    // from which visibility is checked
-constexpr double kThinned = 0.3;          // m: one upright point counts per cube of this size
-constexpr float kScanReach = 60.0F;       // m, of the scans of nodes
-constexpr float kGroundReach = 20.0F;     // m: ground within it determines the height
-constexpr float kGroundSpread = 0.25F;    // m, spread of consistent ground: a degree of tilt, 10 m away
-constexpr std::size_t kMinStanding = 60;  // points; fewer are no evidence
-constexpr std::size_t kMinGround = 10;    // places of the ground
+constexpr double kBeyond = 25.0;  // m around the possible positions: nodes within it show what the vehicle sees
+constexpr double kMaxSearchRadius = 50.0;  // m
+constexpr std::size_t kMaxNodes = 30;      // that are taken into account
+constexpr double kNodesApart = 1.5;        // m: a node nearer to another adds nothing
+constexpr std::size_t kSightNodes = 3;     // from which visibility is checked
+constexpr double kThinned = 0.3;           // m: one upright point counts per cube of this size
+constexpr float kScanReach = 60.0F;        // m, of the scans of nodes
+constexpr float kGroundReach = 20.0F;      // m: ground within it determines the height
+constexpr float kGroundSpread = 0.25F;     // m, spread of consistent ground: a degree of tilt, 10 m away
+constexpr std::size_t kMinStanding = 60;   // points; fewer are no evidence
+constexpr std::size_t kMinGround = 10;     // places of the ground
 
 using Cloud = std::vector<Eigen::Vector3f>;
 
@@ -66,7 +66,7 @@ Pose from(const Eigen::Vector3d& position) {
 }
 
 PlaceGuess bounded(PlaceGuess guess) {
-  guess.reach = guess.reach > 0 ? std::min(guess.reach, kMostReach) : 0;
+  guess.reach = guess.reach > 0 ? std::min(guess.reach, kMaxSearchRadius) : 0;
   return guess;
 }
 
@@ -81,7 +81,7 @@ std::vector<scan::Keyframe> near(const std::vector<const scan::Keyframe*>& nodes
   std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<scan::Keyframe> out;
   for (const auto& [distance, node] : found) {
-    if (out.size() == kMostNodes) break;
+    if (out.size() == kMaxNodes) break;
     const bool new_to_us = std::all_of(out.begin(), out.end(), [&, n = node](const scan::Keyframe& other) {
       return (other.T_map_base.translation() - n->T_map_base.translation()).norm() > kNodesApart;
     });
@@ -181,7 +181,7 @@ PlaceMatch CandidateSearch::refine(const std::vector<scan::LidarPoint>& points, 
   const Pose T_map_level = T * T_level_base.inverse();
   const Pose T_local_level = from(-guess_.T_map_base.translation()) * T_map_level;
   match.score = score_at(standing, T_local_level);
-  match.rise = rise(level, ground, T_local_level, lowest_).value_or(kMostReach);
+  match.rise = rise(level, ground, T_local_level, lowest_).value_or(kMaxSearchRadius);
   match.conflict = conflict_at(points, transformed(T_map_level, standing, kAsIs), T);
   return match;
 }

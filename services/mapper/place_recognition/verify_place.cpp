@@ -22,21 +22,21 @@ constexpr double kMinScoreOfPart = 0.65;
 constexpr double kMaxConflictOfPart = 0.15;
 constexpr double kMinInliersOfPart = 0.85;
 constexpr double kMinOverlapOfPart = 0.3;
-constexpr double kMinLeadOfPart = 0.35;  // of its score, over the runner-up
-constexpr double kMaxRise = 0.15;        // m
-constexpr double kMaxResidual = 0.10;    // m
-constexpr double kWorthATry = 0.25;      // largest deficit of score before registration, against the best
-constexpr double kLeastReach = 4.0;      // m: the rivals within it are searched in any case
-constexpr double kSlack = 0.5;           // m by which registration may end beyond the guess
-constexpr double kTurnedSlack = 0.05;    // rad
-constexpr int kMostHypotheses = 4;       // within one guess
-constexpr std::size_t kMostTries = 4;    // registrations
-constexpr double kApart = 1.0;           // m, poses that are not the same place
-constexpr double kTurnedApart = 0.1;     // rad
-constexpr int kCandidates = 40;          // of the index
-constexpr std::size_t kMostPlaces = 12;  // of the candidates' that are searched
-constexpr double kPlaceReach = 7.0;      // m, about a candidate
-constexpr double kPlaceTurn = 0.2;       // rad
+constexpr double kMinLeadOfPart = 0.35;   // of its score, over the runner-up
+constexpr double kMaxRise = 0.15;         // m
+constexpr double kMaxResidual = 0.10;     // m
+constexpr double kWorthATry = 0.25;       // largest deficit of score before registration, against the best
+constexpr double kMinSearchRadius = 4.0;  // m: the rivals within it are searched in any case
+constexpr double kSlack = 0.5;            // m by which registration may end beyond the guess
+constexpr double kTurnedSlack = 0.05;     // rad
+constexpr int kMaxHypotheses = 4;         // within one guess
+constexpr std::size_t kMaxTries = 4;      // registrations
+constexpr double kApart = 1.0;            // m, poses that are not the same place
+constexpr double kTurnedApart = 0.1;      // rad
+constexpr int kCandidates = 40;           // of the index
+constexpr std::size_t kMaxPlaces = 12;    // of the candidates' that are searched
+constexpr double kPlaceReach = 7.0;       // m, about a candidate
+constexpr double kPlaceTurn = 0.2;        // rad
 
 /// A hypothesis, and the search that it comes from.
 struct Try {
@@ -85,7 +85,7 @@ std::optional<PlaceMatch> decide(const std::vector<scan::LidarPoint>& points, st
                    [](const Try& a, const Try& b) { return a.hypothesis.score > b.hypothesis.score; });
   std::vector<PlaceMatch> matches;
   for (const Try& t : tries) {
-    if (matches.size() == kMostTries || t.hypothesis.score < tries.front().hypothesis.score - kWorthATry) break;
+    if (matches.size() == kMaxTries || t.hypothesis.score < tries.front().hypothesis.score - kWorthATry) break;
     matches.push_back(t.search->refine(points, t.hypothesis));
   }
   PlaceMatch best =
@@ -109,10 +109,10 @@ std::optional<PlaceMatch> verify_place(const std::vector<scan::LidarPoint>& poin
                                        const std::vector<const scan::Keyframe*>& nodes, const config::IcpConfig& config,
                                        const Eigen::Vector3d& lidar, Known known) {
   PlaceGuess wide = guess;
-  wide.reach = std::max(guess.reach, kLeastReach);
+  wide.reach = std::max(guess.reach, kMinSearchRadius);
   CandidateSearch search(nodes, wide, config, lidar);
   std::vector<Try> tries;
-  for (const PlaceHypothesis& hypothesis : search.hypotheses(points, kMostHypotheses))
+  for (const PlaceHypothesis& hypothesis : search.hypotheses(points, kMaxHypotheses))
     tries.push_back({&search, hypothesis});
   const std::optional<PlaceMatch> match = decide(points, tries, known);
   return match && within(guess, match->registration.T_map_base) ? match : std::nullopt;
@@ -136,7 +136,7 @@ std::optional<PlaceMatch> verify_place(const std::vector<scan::LidarPoint>& poin
       const Pose off = other.T_map_base.inverse() * guess.T_map_base;
       return off.translation().norm() < 0.7 * kPlaceReach && std::abs(roll_pitch_yaw(off.linear()).z()) < kPlaceTurn;
     });
-    if (!known && guesses.size() < kMostPlaces) guesses.push_back(guess);
+    if (!known && guesses.size() < kMaxPlaces) guesses.push_back(guess);
   }
   std::vector<std::unique_ptr<CandidateSearch>> searches;
   std::vector<Try> tries;

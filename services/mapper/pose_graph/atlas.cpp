@@ -43,7 +43,7 @@ int Atlas::visit(std::int64_t utime, const Pose& T_map_base, const std::vector<s
   if (reference_ != kNone) driven_ += (node(reference_).T_map_base.inverse() * T_map_base).translation().norm();
   nodes_.push_back({{utime, T_map_base, node_points(points, config_)}, driven_, true, {}});
   present_.insert(made);
-  if (made >= kKeptHere) put_away(made - kKeptHere);
+  if (made >= kKeptHere) spill(made - kKeptHere);
   if (reference_ != kNone) connect(step(reference_, made, node(reference_).T_map_base.inverse() * T_map_base));
   reference_ = made;
   left_ = false;
@@ -64,8 +64,8 @@ void Atlas::follow(const Pose& T_map_base) {
 int Atlas::add_known(scan::Keyframe node) {
   nodes_.push_back({std::move(node), driven_, false, {}});
   num_known_ = size();
-  put_away(num_known_ - 1);
-  far_->flush_much();
+  spill(num_known_ - 1);
+  spill_file_->flush_much();
   return num_known_ - 1;
 }
 
@@ -76,12 +76,12 @@ void Atlas::add_known(const PoseEdge& edge) {
 void Atlas::restore(scan::Keyframe node, double driven) {
   driven_ = driven;
   nodes_.push_back({std::move(node), driven, false, {}});
-  put_away(size() - 1);
-  far_->flush_much();
+  spill(size() - 1);
+  spill_file_->flush_much();
 }
 
-void Atlas::put_away(int id) {
-  nodes_[static_cast<std::size_t>(id)].kept.points.put_away(*far_);
+void Atlas::spill(int id) {
+  nodes_[static_cast<std::size_t>(id)].kept.points.spill(*spill_file_);
 }
 
 std::vector<Pose> Atlas::poses() const {
@@ -237,7 +237,7 @@ bool Atlas::linked(int a, int b) const {
 
 /// The farthest nodes stay in the graph and lose their scan, unless it is in the file.
 void Atlas::bound_memory(const Eigen::Vector3d& centre) {
-  if (size() <= config_.max_nodes || far_->takes()) return;
+  if (size() <= config_.max_nodes || spill_file_->takes()) return;
   Node* farthest = nullptr;
   double distance = 0;
   for (Node& node : nodes_) {

@@ -25,9 +25,10 @@ class Atlas {
  public:
   static constexpr int kNone = -1;
 
-  /// `far`: file for the scans of all but the newest nodes; one without a folder keeps them in memory, packed.
-  explicit Atlas(const config::AtlasConfig& config, std::shared_ptr<SpillFile> far = std::make_shared<SpillFile>())
-      : config_(config), far_(std::move(far)) {}
+  /// `spill_file`: file for the scans of all but the newest nodes; one without a folder keeps them in memory, packed.
+  explicit Atlas(const config::AtlasConfig& config,
+                 std::shared_ptr<SpillFile> spill_file = std::make_shared<SpillFile>())
+      : config_(config), spill_file_(std::move(spill_file)) {}
 
   /// Reports a registered pose. Returns the node at the vehicle, which is created if there is none within `spacing`.
   int visit(std::int64_t utime, const Pose& T_map_base, const std::vector<scan::LidarPoint>& points);
@@ -89,10 +90,10 @@ class Atlas {
   [[nodiscard]] double length_of(const PoseEdge& edge) const;
   [[nodiscard]] bool linked(int a, int b) const;
   void bound_memory(const Eigen::Vector3d& centre);
-  void put_away(int id);
+  void spill(int id);
 
   config::AtlasConfig config_;
-  std::shared_ptr<SpillFile> far_;
+  std::shared_ptr<SpillFile> spill_file_;
   std::vector<Node> nodes_;
   std::vector<PoseEdge> edges_;
   std::set<int> present_;

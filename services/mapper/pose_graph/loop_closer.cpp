@@ -11,12 +11,12 @@ namespace {
 
 constexpr double kUnconnected = 150.0;  // m along the graph: shorter loops are not worth closing
 constexpr double kTurn = 0.15;          // rad: largest drift of the heading
-constexpr double kLeastSigma = 0.02;    // m: the scans of nodes are downsampled, whatever covariance registration gives
-constexpr double kLeastTurn = 0.002;    // rad
+constexpr double kMinSigma = 0.02;      // m: the scans of nodes are downsampled, whatever covariance registration gives
+constexpr double kMinTurn = 0.002;      // rad
 
 registration::Matrix6 floored(const registration::Matrix6& covariance) {
   registration::Vector6 least;
-  least << Eigen::Vector3d::Constant(kLeastSigma * kLeastSigma), Eigen::Vector3d::Constant(kLeastTurn * kLeastTurn);
+  least << Eigen::Vector3d::Constant(kMinSigma * kMinSigma), Eigen::Vector3d::Constant(kMinTurn * kMinTurn);
   return covariance + registration::Matrix6(least.asDiagonal());
 }
 

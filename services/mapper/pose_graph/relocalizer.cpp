@@ -7,7 +7,7 @@ namespace curbstone::mapper::pose_graph {
 namespace {
 
 constexpr double kSurroundings = 60.0;    // m along the graph that one search covers
-constexpr double kLeastSearch = 1.0;      // m, least and
+constexpr double kMinSearchRadius = 1.0;  // m, least and
 constexpr double kFarthestSearch = 15.0;  // m, largest reach of a search about a guess
 constexpr double kUnseenTurn = 0.3;       // rad: turn that the vehicle may have made unobserved,
 constexpr auto kKnown = place_recognition::Known::kPart;
@@ -26,18 +26,18 @@ std::optional<FoundPlace> Relocalizer::find_at(const Atlas& atlas, int node,
 }
 
 std::optional<FoundPlace> Relocalizer::find(const Atlas& atlas, const std::vector<scan::LidarPoint>& points,
-                                            const Pose& guess, double doubt) {
-  const double reach = std::min(kLeastSearch + doubt, kFarthestSearch);
-  const double turn = std::min(kUnseenTurn + kTurnPerMetre * doubt, std::numbers::pi);
+                                            const Pose& guess, double uncertainty) {
+  const double reach = std::min(kMinSearchRadius + uncertainty, kFarthestSearch);
+  const double turn = std::min(kUnseenTurn + kTurnPerMetre * uncertainty, std::numbers::pi);
   const std::vector<int> near = atlas.near(guess.translation(), reach + 10.0);
   if (!near.empty()) {
     if (const auto found = find_at(atlas, near.front(), points, guess, reach, turn, kKnown)) return found;
   }
-  return is_anywhere(doubt) ? find_anywhere(atlas, points, guess) : std::nullopt;
+  return is_anywhere(uncertainty) ? find_anywhere(atlas, points, guess) : std::nullopt;
 }
 
-bool Relocalizer::is_anywhere(double doubt) {
-  return kLeastSearch + doubt > kFarthestSearch;
+bool Relocalizer::is_anywhere(double uncertainty) {
+  return kMinSearchRadius + uncertainty > kFarthestSearch;
 }
 
 void Relocalizer::forget() {

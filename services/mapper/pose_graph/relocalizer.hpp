@@ -28,12 +28,12 @@ class Relocalizer {
   [[nodiscard]] std::optional<FoundPlace> find_at(
       const Atlas& atlas, int node, const std::vector<scan::LidarPoint>& points, const Pose& guess, double reach,
       double turn, place_recognition::Known known = place_recognition::Known::kAll) const;
-  /// Searches near a guess that may be `doubt` m off; if that is too far, searches all places that look alike. The
-  /// vehicle may be a little beyond the end of the map.
+  /// Searches near a guess that may be `uncertainty` m off; if that is too far, searches all places that look alike.
+  /// The vehicle may be a little beyond the end of the map.
   [[nodiscard]] std::optional<FoundPlace> find(const Atlas& atlas, const std::vector<scan::LidarPoint>& points,
-                                               const Pose& guess, double doubt);
-  /// Whether `doubt` m is too far for a local search. The search of all places is much more expensive.
-  [[nodiscard]] static bool is_anywhere(double doubt);
+                                               const Pose& guess, double uncertainty);
+  /// Whether `uncertainty` m is too far for a local search. The search of all places is much more expensive.
+  [[nodiscard]] static bool is_anywhere(double uncertainty);
   /// Drops what was indexed: nodes have been removed, so numbers may refer to other nodes.
   void forget();
 

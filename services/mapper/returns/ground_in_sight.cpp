@@ -11,17 +11,17 @@
 namespace curbstone::mapper::returns {
 namespace {
 
-constexpr float kOwn = 0.3F;       // m from the LiDAR: closer returns are of its own window
-constexpr float kUneven = 0.15F;   // m by which ground may be off z = 0 anywhere,
-constexpr float kSlope = 0.06F;    // and more per metre of distance
-constexpr float kTall = 0.15F;     // m above that: not ground
-constexpr float kOverhead = 2.2F;  // m: objects higher than this hide no ground
-constexpr float kBefore = 1.0F;    // m in front of a tall object: a closer return may be part of the object
-constexpr int kFewReturns = 15;    // of a sector: the vehicle hides it, or it is not scanned
-constexpr int kGround = 8;         // returns: a third of one laser's
-constexpr int kLeastOpen = 6;      // sectors that a look needs
-constexpr int kLeastAhead = 2;     // sectors
-constexpr int kAheadSectors = 4;   // to each side of x
+constexpr float kOwn = 0.3F;         // m from the LiDAR: closer returns are of its own window
+constexpr float kUneven = 0.15F;     // m by which ground may be off z = 0 anywhere,
+constexpr float kSlope = 0.06F;      // and more per metre of distance
+constexpr float kTall = 0.15F;       // m above that: not ground
+constexpr float kOverhead = 2.2F;    // m: objects higher than this hide no ground
+constexpr float kBefore = 1.0F;      // m in front of a tall object: a closer return may be part of the object
+constexpr int kFewReturns = 15;      // of a sector: the vehicle hides it, or it is not scanned
+constexpr int kGround = 8;           // returns: a third of one laser's
+constexpr int kMinOpenSectors = 6;   // sectors that a look needs
+constexpr int kMinSectorsAhead = 2;  // sectors
+constexpr int kAheadSectors = 4;     // to each side of x
 
 struct Sector {
   int returns = 0;
@@ -80,8 +80,8 @@ void GroundInSight::look(const scan::Scan& scan, bool moved) {
     ++open_ahead;
     seeing_ahead += sees;
   }
-  const bool lost = due && open >= kLeastOpen && about_.loses(open, seeing);
-  const bool lost_ahead = moved && open_ahead >= kLeastAhead && ahead_.loses(open_ahead, seeing_ahead);
+  const bool lost = due && open >= kMinOpenSectors && about_.loses(open, seeing);
+  const bool lost_ahead = moved && open_ahead >= kMinSectorsAhead && ahead_.loses(open_ahead, seeing_ahead);
   if (lost || lost_ahead) counters_.add("faults.no_ground");
 }
 

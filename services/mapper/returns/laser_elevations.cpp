@@ -14,15 +14,15 @@ namespace curbstone::mapper::returns {
 namespace {
 
 constexpr int kDirections = 180;
-constexpr int kAllAround = 60;       // directions in which three lasers see the ground and agree, for a vehicle that
-constexpr int kInPart = 30;          // stands, and for one that moves
-constexpr double kAgree = 0.002;     // rad, with the median
-constexpr float kLeastRange = 1.0F;  // m: closer returns are of the vehicle itself
-constexpr float kMostRange = 25.0F;  // m
-constexpr float kMostSlope = 0.15F;  // of possible ground,
-constexpr float kMostStep = 0.3F;    // with an error of the middle laser included
-constexpr float kLeastStep = 0.03F;  // share of the distance: an upright surface is equally far for all three
-constexpr std::size_t kLeastTriples = 3;
+constexpr int kAllAround = 60;      // directions in which three lasers see the ground and agree, for a vehicle that
+constexpr int kInPart = 30;         // stands, and for one that moves
+constexpr double kAgree = 0.002;    // rad, with the median
+constexpr float kMinRange = 1.0F;   // m: closer returns are of the vehicle itself
+constexpr float kMaxRange = 25.0F;  // m
+constexpr float kMaxSlope = 0.15F;  // of possible ground,
+constexpr float kMaxStep = 0.3F;    // with an error of the middle laser included
+constexpr float kMinStep = 0.03F;   // share of the distance: an upright surface is equally far for all three
+constexpr std::size_t kMinTriples = 3;
 constexpr double kUnexplained = 0.0006;  // rad: least lead in rest of the best explanation over the next
 constexpr double kAlike = 0.0015;        // rad, between looks
 
@@ -53,7 +53,7 @@ std::vector<Return> nearest_ground(const scan::Scan& scan) {
     const Eigen::Vector3f& p = point.position;
     if (!(p.z() < 0) || point.ring >= LaserElevations::kLasers) continue;
     const float distance = p.head<2>().norm();
-    if (!(distance >= kLeastRange && distance <= kMostRange)) continue;
+    if (!(distance >= kMinRange && distance <= kMaxRange)) continue;
     Return& first =
         returns[point.ring * std::size_t{kDirections} + static_cast<std::size_t>(direction_of(p.x(), p.y()))];
     if (first.distance == 0) first = {distance, p.z()};
@@ -63,7 +63,7 @@ std::vector<Return> nearest_ground(const scan::Scan& scan) {
 
 bool is_step(const Return& near, const Return& far) {
   const float away = far.distance - near.distance;
-  return away > kLeastStep * far.distance && std::abs(far.height - near.height) < kMostStep * away;
+  return away > kMinStep * far.distance && std::abs(far.height - near.height) < kMaxStep * away;
 }
 
 std::optional<Triple> triple_at(const std::vector<Return>& returns, std::size_t ring, int least,
@@ -76,7 +76,7 @@ std::optional<Triple> triple_at(const std::vector<Return>& returns, std::size_t 
     const Return& high = returns[(ring + 1) * kDirections + i];
     if (low.distance == 0 || mid.distance == 0 || high.distance == 0) continue;
     const float slope = (high.height - low.height) / (high.distance - low.distance);
-    if (std::abs(slope) > kMostSlope || !is_step(low, mid) || !is_step(mid, high)) continue;
+    if (std::abs(slope) > kMaxSlope || !is_step(low, mid) || !is_step(mid, high)) continue;
     const float share = (mid.distance - low.distance) / (high.distance - low.distance);
     triple.lower += static_cast<double>((1 - share) * low.distance / mid.distance);
     triple.upper += static_cast<double>(share * high.distance / mid.distance);
@@ -142,7 +142,7 @@ void LaserElevations::look(const scan::Scan& scan, bool moved) {
   for (std::size_t ring = 1; ring + 1 < kLasers; ++ring) {
     if (auto triple = triple_at(returns, ring, moved ? kInPart : kAllAround, offs)) triples.push_back(*triple);
   }
-  if (triples.size() < kLeastTriples) return;
+  if (triples.size() < kMinTriples) return;
   const auto found = likeliest(triples);
   const double error = found && std::abs(found->error) > kRight ? found->error : 0;
   // A rest that one laser does not explain means uneven ground, or another device's angles.

@@ -9,13 +9,14 @@
 namespace curbstone::mapper::returns {
 namespace {
 
-constexpr float kBeside = 2.5e-4F;     // s between shots in nearly the same direction
-constexpr std::size_t kBesides = 2;    // shots of the same laser to either side
-constexpr std::size_t kMostNear = 64;  // returns of another laser; usually some 20, but more if all have the same time
-constexpr float kSame = 0.1F;          // m between ranges of one surface,
-constexpr float kSameShare = 0.06F;    // and of the range
-constexpr float kApart = 3.0F;         // factor on that: least difference of ranges of two surfaces
-constexpr std::size_t kLeast = 500;    // returns for a share to be meaningful
+constexpr float kBeside = 2.5e-4F;   // s between shots in nearly the same direction
+constexpr std::size_t kBesides = 2;  // shots of the same laser to either side
+constexpr std::size_t kMaxNeighbours =
+    64;                              // returns of another laser; usually some 20, but more if all have the same time
+constexpr float kSame = 0.1F;        // m between ranges of one surface,
+constexpr float kSameShare = 0.06F;  // and of the range
+constexpr float kApart = 3.0F;       // factor on that: least difference of ranges of two surfaces
+constexpr std::size_t kMinReturns = 500;  // returns for a share to be meaningful
 
 float alike(float range) {
   return kSame + kSameShare * range;
@@ -73,7 +74,7 @@ class StrayReturns::Neighbours {
   [[nodiscard]] bool has_in(std::size_t other, std::size_t& at, std::uint32_t point) const {
     const std::vector<std::uint32_t>& its = rings_.of[other];
     while (at < its.size() && points_[its[at]].time < points_[point].time - kBeside) ++at;
-    const std::size_t end = std::min(its.size(), at + kMostNear);
+    const std::size_t end = std::min(its.size(), at + kMaxNeighbours);
     for (std::size_t j = at; j < end && points_[its[j]].time <= points_[point].time + kBeside; ++j) {
       if (is_alike(point, its[j])) return true;
     }
@@ -101,7 +102,7 @@ void StrayReturns::filter(scan::Scan& scan) {
       if (beside.is_out_of_line(k)) ++strays;
     }
   }
-  if (returns < kLeast) return;
+  if (returns < kMinReturns) return;
   share_ = static_cast<double>(strays) / static_cast<double>(returns);
   judge();
   if (!filters_) return;

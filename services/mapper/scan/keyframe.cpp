@@ -7,11 +7,11 @@
 namespace curbstone::mapper::scan {
 
 std::shared_ptr<const KeyframePoints::Points> KeyframePoints::read() const {
-  if (here_) return here_;
+  if (points_) return points_;
   auto points = std::make_shared<Points>();
-  if (away_.empty()) return points;
+  if (spilled_.empty()) return points;
   try {
-    ValueUnpacker unpacker(away_.read());
+    ValueUnpacker unpacker(spilled_.read());
     unpacker.take_steps(*points, &KeyframePoint::x);
     unpacker.take_steps(*points, &KeyframePoint::y);
     unpacker.take_steps(*points, &KeyframePoint::z);
@@ -23,19 +23,19 @@ std::shared_ptr<const KeyframePoints::Points> KeyframePoints::read() const {
 
 KeyframePoints KeyframePoints::in_memory() const {
   KeyframePoints here;
-  here.here_ = read();
-  here.size_ = here.here_->size();
+  here.points_ = read();
+  here.size_ = here.points_->size();
   return here;
 }
 
-void KeyframePoints::put_away(SpillFile& file) {
-  if (!here_ || empty()) return;
+void KeyframePoints::spill(SpillFile& file) {
+  if (!points_ || empty()) return;
   ValuePacker packer;
-  packer.put_steps(*here_, &KeyframePoint::x);
-  packer.put_steps(*here_, &KeyframePoint::y);
-  packer.put_steps(*here_, &KeyframePoint::z);
-  away_ = file.put(packer.pack());
-  here_.reset();
+  packer.put_steps(*points_, &KeyframePoint::x);
+  packer.put_steps(*points_, &KeyframePoint::y);
+  packer.put_steps(*points_, &KeyframePoint::z);
+  spilled_ = file.put(packer.pack());
+  points_.reset();
 }
 
 }  // namespace curbstone::mapper::scan

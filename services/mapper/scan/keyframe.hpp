@@ -49,7 +49,7 @@ class KeyframePoints {
   using Points = std::vector<KeyframePoint>;
   KeyframePoints() = default;
   KeyframePoints(Points points)  // a list of points is one by itself
-      : here_(std::make_shared<const Points>(std::move(points))), size_(here_->size()) {}
+      : points_(std::make_shared<const Points>(std::move(points))), size_(points_->size()) {}
 
   [[nodiscard]] std::size_t size() const { return size_; }
   [[nodiscard]] bool empty() const { return size_ == 0; }
@@ -59,15 +59,15 @@ class KeyframePoints {
   /// A copy that holds the points as read() gives them, for repeated access.
   [[nodiscard]] KeyframePoints in_memory() const;
   /// Spills the points to the file. Does nothing if they are spilled already, or if there are none.
-  void put_away(SpillFile& file);
-  [[nodiscard]] bool is_away() const { return !away_.empty(); }
+  void spill(SpillFile& file);
+  [[nodiscard]] bool is_spilled() const { return !spilled_.empty(); }
   /// Spilled, and in memory in no form.
-  [[nodiscard]] bool is_in_file() const { return away_.is_in_file(); }
+  [[nodiscard]] bool is_in_file() const { return spilled_.is_in_file(); }
   bool operator==(const KeyframePoints& other) const { return size_ == other.size_ && *read() == *other.read(); }
 
  private:
-  std::shared_ptr<const Points> here_;  // null: none, or spilled
-  SpillFile::Values away_;
+  std::shared_ptr<const Points> points_;  // null: none, or spilled
+  SpillFile::Values spilled_;
   std::size_t size_ = 0;
 };
 

@@ -6,7 +6,7 @@
 namespace curbstone::mapper::scan {
 namespace {
 
-constexpr std::int64_t kMostPackets = 100'000;  // a larger step of the sequence numbers is not a loss
+constexpr std::int64_t kMaxPackets = 100'000;  // a larger step of the sequence numbers is not a loss
 
 bool is_next(std::int32_t number, std::int32_t before) {
   return std::int64_t{number} == std::int64_t{before} + 1;
@@ -21,7 +21,7 @@ bool PacketIntake::is_gap_before(const lidar_points_t& packet) const {
            packet.utime - *begin_after_ <= ResendClient::kMaxMissing;
   const std::int64_t step = std::int64_t{packet.packet} - last_->number;
   const std::int64_t ahead = packet.utime - last_->utime;
-  return step > 1 && step <= kMostPackets && ahead > 0 && ahead <= ResendClient::kMaxMissing;
+  return step > 1 && step <= kMaxPackets && ahead > 0 && ahead <= ResendClient::kMaxMissing;
 }
 
 bool PacketIntake::is_of_another(const lidar_points_t& packet) const {
@@ -45,7 +45,7 @@ void PacketIntake::hear(const lidar_points_t& packet, const Handler& hand_on) {
   if (packet.utime <= 0) return hand_on(packet);  // the receiver refuses it
   newest_ = packet.utime;
   if (is_of_another(packet)) {
-    another_ = packet.utime;
+    refused_ = packet.utime;
     return counters_.add("refused.second_lidar");
   }
   refuse_held_of_another(packet);
@@ -92,7 +92,7 @@ bool PacketIntake::holds(std::int32_t number) {
 
 void PacketIntake::hold(const lidar_points_t& packet) {
   if (holds(packet.packet)) return;
-  if (held_.size() >= kMostHeld) {
+  if (held_.size() >= kMaxHeld) {
     if (packet.packet > held_.back().packet) return;
     held_.pop_back();
   }
@@ -100,6 +100,11 @@ void PacketIntake::hold(const lidar_points_t& packet) {
 }
 
 void PacketIntake::pass(const lidar_points_t& packet, const Handler& hand_on) {
+  const bool same_driver = last_ && packet.packet > last_->number;
+  if (refused_ != 0 && packet.utime > refused_) {
+    if (same_driver) another_ = refused_;
+    refused_ = 0;
+  }
   last_ = Last{packet.packet, packet.utime};
   hand_on(packet);
 }

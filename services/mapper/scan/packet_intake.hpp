@@ -16,11 +16,12 @@ namespace curbstone::mapper::scan {
 /// Passes on the packets of LIDAR_POINTS in the order of their sequence numbers. A missing number means loss on the
 /// bus, for the driver numbers what it sends. The missing packet is requested, and later ones wait until it has come,
 /// or until kPatience has passed without any of the missing ones, as ResendClient counts it: less than the time that
-/// kMostHeld packets last, in a replay too. So the output is the same with or without loss, unless packets are lost for
+/// kMaxHeld packets last, in a replay too. So the output is the same with or without loss, unless packets are lost for
 /// good. Packets whose numbers start again, or whose time jumps, are passed on as they come. Pure; one thread.
 ///
 /// Two drivers on one channel would mix the scans of two LiDARs. Their sequence numbers reveal it: they go back while
-/// time goes on, and no driver restarts within kRestart. Only one of the two is passed on.
+/// time goes on, and no driver restarts within kRestart. Only one of the two is passed on. They are a fault if they
+/// alternate: a driver that was killed and started again at once only loses what it sends within kRestart.
 ///
 /// Counters: refused.second_lidar, lidar.resent (missing packets that came again), lidar.not_resent (gaps that were
 /// given up).
@@ -29,7 +30,7 @@ class PacketIntake {
   using Handler = std::function<void(const lidar_points_t&)>;
   static constexpr std::int64_t kPatience = 1'000'000;  ///< us
   static constexpr std::int64_t kRestart = 50'000;      ///< us, from a driver's last packet to its successor's first
-  static constexpr std::size_t kMostHeld = 3000;        ///< packets, 18 MB; newer ones are requested later
+  static constexpr std::size_t kMaxHeld = 3000;         ///< packets, 18 MB; newer ones are requested later
 
   PacketIntake(Publisher& bus, const std::string& requester, const std::string& channel)
       : client_(bus, requester, channel) {}
@@ -75,6 +76,7 @@ class PacketIntake {
   std::optional<Last> last_;                 // passed on
   std::deque<lidar_points_t> held_;          // in order of sequence numbers
   std::int64_t newest_ = 0;
+  std::int64_t refused_ = 0;  // us, newest refused packet: of a second LiDAR, or of a driver that has just restarted
   std::int64_t another_ = 0;  // us, newest of a second LiDAR
   std::int64_t ticked_ = 0;   // us
   std::int64_t waited_ = 0;   // us, since a missing packet last came, or since the gap was found

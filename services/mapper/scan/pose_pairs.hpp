@@ -15,7 +15,7 @@ class PosePairs {
   static constexpr std::int64_t kSpan = 1'000'000;  ///< us
   /// rad about the vertical, over kSpan. A correctly scaled gyro and a registration that does not slide differ by
   /// tenths of a degree.
-  static constexpr double kMostTurn = 0.0175;
+  static constexpr double kMaxTurnDifference = 0.0175;
 
   /// Adds a pair. If the clock was set back, the history starts again.
   void add(std::int64_t utime, const Pose& T_map_base, const Pose& T_odom_base);

@@ -70,7 +70,7 @@ MapHead read_head(const fs::path& folder) {
   head.nodes = count("nodes", Rules::kMaxNodes);
   head.edges = count("edges", Rules::kMaxEdges);
   if (yaml["rings"]) {  // otherwise it is of a version without rings
-    head.rings = count("rings", intensity::RingHistograms::kMostRings);
+    head.rings = count("rings", intensity::RingHistograms::kMaxRings);
     head.map.rings.scans = static_cast<std::int32_t>(count("ring_scans", Rules::kMaxRingScans));
   }
   return head;
@@ -186,7 +186,7 @@ void read_rings(MapHead& head, const fs::path& folder) {
     MapRow row = row_at(rows, i, table);
     intensity::RingHistograms::Counts counts{};
     for (std::uint32_t& count : counts)
-      count = static_cast<std::uint32_t>(row.integer(0, intensity::RingHistograms::kMostReturns));
+      count = static_cast<std::uint32_t>(row.integer(0, intensity::RingHistograms::kMaxReturns));
     row.end();
     head.map.rings.rings.push_back(counts);
   }

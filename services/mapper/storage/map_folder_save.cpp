@@ -41,9 +41,9 @@ void keep_file(const fs::path& name, const AtomicFolder& target) {
 
 /// Nothing if the tile is spilled and cannot be read back.
 std::optional<SavedTile> with_points(SavedTile tile) {
-  if (tile.away.empty()) return tile;
+  if (tile.spilled.empty()) return tile;
   try {
-    tile.points = tile.away.read().points();
+    tile.points = tile.spilled.read().points();
   } catch (const std::runtime_error&) {
     return std::nullopt;
   }

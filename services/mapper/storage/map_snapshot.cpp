@@ -21,8 +21,8 @@ MapSnapshot take_snapshot(const dense_map::DenseMap& dense, const pose_graph::At
     const bool is_known = comparable && known != on_disk.tiles.end();
     const bool kept = is_known && known->second == version;
     SavedTile saved{key, tile.z_origin(), tile.utime(), {}, kept};
-    if (!kept && tile.is_away()) {
-      saved.away = tile.packed();
+    if (!kept && tile.is_spilled()) {
+      saved.spilled = tile.packed();
       if (is_known && known->second.z_origin == version.z_origin) saved.earlier = known->second.utime;
     } else if (!kept) {
       saved.points = tile.read()->points();

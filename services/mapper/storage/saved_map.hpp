@@ -21,7 +21,7 @@ struct SavedTile {
   std::int64_t utime = 0;     ///< us, of the newest point
   std::vector<TilePoint> points;
   bool on_disk = false;  ///< the folder that it will be saved to holds this very tile, and `points` is empty
-  dense_map::PackedRecords away = {};        ///< if not empty: `points` is, and these are read when the tile is saved
+  dense_map::PackedRecords spilled = {};     ///< if not empty: `points` is, and these are read when the tile is saved
   std::optional<std::int64_t> earlier = {};  ///< us, `utime` of an earlier version that the folder holds
 };
 

@@ -24,8 +24,8 @@ std::string why_refused(const Fit& fit, const config::TrackerConfig& config, con
       return "refused.inliers";
   }
   const Pose jump = fit.prior.T_map_base.inverse() * result.T_map_base;
-  const registration::Matrix6 covariance = drift + fit.expected.covariance;
-  const bool guided = fit.expected.with_odometry;
+  const registration::Matrix6 covariance = drift + fit.prediction.covariance;
+  const bool guided = fit.prediction.with_odometry;
   const double max_m = (guided ? config.max_jump_m : 0) + 3 * std::sqrt(covariance(0, 0));
   const double max_rad = (guided ? config.max_jump_rad : 0) + 3 * std::sqrt(covariance(3, 3));
   if (jump.translation().norm() > max_m || angle_of(jump) > max_rad) return "refused.jump";

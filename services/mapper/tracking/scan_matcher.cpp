@@ -10,13 +10,13 @@
 namespace curbstone::mapper::tracking {
 namespace {
 
-constexpr int kDeskewPasses = 2;         // additional passes without odometry
-constexpr double kSettledShift = 0.01;   // m over a scan,
-constexpr double kSettledTurn = 1e-3;    // and rad: errors of the motion below which de-skew is good enough
-constexpr double kRefined = 0.15;        // m, reach of the registration in such a pass
-constexpr double kLever = 15.0;          // m, typical range of the points
-constexpr int kPairPasses = 3;           // for the first two scans
-constexpr double kClearlyBetter = 1.02;  // factor in agreement by which a less likely speed must be better
+constexpr int kDeskewPasses = 2;               // additional passes without odometry
+constexpr double kSettledShift = 0.01;         // m over a scan,
+constexpr double kSettledTurn = 1e-3;          // and rad: errors of the motion below which de-skew is good enough
+constexpr double kRefinementReach = 0.15;      // m, reach of the registration in such a pass
+constexpr double kLever = 15.0;                // m, typical range of the points
+constexpr int kPairPasses = 3;                 // for the first two scans
+constexpr double kSpeedAgreementRatio = 1.02;  // factor in agreement by which a less likely speed must be better
 
 /// s from the mean time of a scan's points to its end.
 double mean_age(const scan::Scan& scan) {
@@ -45,7 +45,7 @@ Eigen::AlignedBox3f body_of(const VehicleConfig& vehicle) {
 }
 
 bool clearly_better(const Fit& fit, const Fit& than) {
-  return fit.result.converged && fit.agreement() > kClearlyBetter * than.agreement();
+  return fit.result.converged && fit.agreement() > kSpeedAgreementRatio * than.agreement();
 }
 
 }  // namespace
@@ -72,23 +72,23 @@ std::vector<scan::LidarPoint> ScanMatcher::in_base(const scan::Scan& scan, const
   return points;
 }
 
-Fit ScanMatcher::expect(const Departure& from, const scan::Scan& scan, MotionExpectation expected) const {
+Fit ScanMatcher::predict(const PreviousPose& from, const scan::Scan& scan, MotionPrediction prediction) const {
   Fit fit;
-  fit.prior.T_map_base = normalised(from.T_map_base * expected.T_last_base);
-  const registration::Matrix6 covariance = from.drift + expected.covariance;
+  fit.prior.T_map_base = normalised(from.T_map_base * prediction.T_last_base);
+  const registration::Matrix6 covariance = from.drift + prediction.covariance;
   fit.prior.information = inverse(covariance);
   fit.prior.reach = 3 * (std::sqrt(covariance(0, 0)) + kLever * std::sqrt(covariance(3, 3)));
-  fit.expected = std::move(expected);
-  fit.points = in_base(scan, fit.expected.sweep);
+  fit.prediction = std::move(prediction);
+  fit.points = in_base(scan, fit.prediction.sweep);
   return fit;
 }
 
-Fit ScanMatcher::fit(const Departure& from, const scan::Scan& scan, MotionExpectation expected,
+Fit ScanMatcher::fit(const PreviousPose& from, const scan::Scan& scan, MotionPrediction prediction,
                      const MotionFilter& motion) {
-  Fit fit = expect(from, scan, std::move(expected));
+  Fit fit = predict(from, scan, std::move(prediction));
   fit.motion = motion;
   fit.result = registration_->align(fit.points, fit.prior);
-  if (!fit.expected.with_odometry && scan::seconds(from.end, scan.end) <= kLongestStride) {
+  if (!fit.prediction.with_odometry && scan::seconds(from.end, scan.end) <= kLongestStride) {
     return refine_motion(from, scan, motion, std::move(fit));
   }
   return fit;
@@ -96,7 +96,7 @@ Fit ScanMatcher::fit(const Departure& from, const scan::Scan& scan, MotionExpect
 
 /// The registration result gives a better motion during the scan than the prediction: de-skews with that motion and
 /// registers again.
-Fit ScanMatcher::refine_motion(const Departure& from, const scan::Scan& scan, const MotionFilter& before, Fit fit) {
+Fit ScanMatcher::refine_motion(const PreviousPose& from, const scan::Scan& scan, const MotionFilter& before, Fit fit) {
   const double sweep_seconds = scan::seconds(scan.start, scan.end);
   MotionFilter::Found found;
   found.assumed = before.twist();
@@ -112,18 +112,18 @@ Fit ScanMatcher::refine_motion(const Departure& from, const scan::Scan& scan, co
     if (pass == kDeskewPasses || alike(twist, found.assumed, sweep_seconds)) break;
     found.assumed = twist;
     prior.T_map_base = fit.result.T_map_base;
-    prior.reach = kRefined;
+    prior.reach = kRefinementReach;
     fit.result = registration_->align(fit.points, prior);
   }
   return fit;
 }
 
-Fit ScanMatcher::fit_from_afar(const Departure& from, const scan::Scan& scan, const MotionFilter& motion) {
+Fit ScanMatcher::fit_multi_start(const PreviousPose& from, const scan::Scan& scan, const MotionFilter& motion) {
   Fit best;
-  for (const scan::Twist& twist : other_motions(motion.twist(), scan::seconds(from.end, scan.end))) {
+  for (const scan::Twist& twist : nearby_motion_hypotheses(motion.twist(), scan::seconds(from.end, scan.end))) {
     MotionFilter other;
     other.set(twist);
-    Fit found = fit(from, scan, expect_perhaps(twist, from.end, scan), other);
+    Fit found = fit(from, scan, predict_from_hypothesis(twist, from.end, scan), other);
     if (clearly_better(found, best)) best = std::move(found);
   }
   return best;
@@ -131,7 +131,7 @@ Fit ScanMatcher::fit_from_afar(const Departure& from, const scan::Scan& scan, co
 
 /// Two scans de-skewed with the same motion have the same distortion, so the motion between them is right from the
 /// first pass on; the further passes remove the distortion.
-Fit ScanMatcher::fit_second(const Departure& from, const scan::Scan& first, const scan::Scan& second) {
+Fit ScanMatcher::fit_second(const PreviousPose& from, const scan::Scan& first, const scan::Scan& second) {
   const double stride = scan::seconds(from.end, second.end);
   const auto fit_with = [&](scan::Twist twist) {
     Fit fit;
@@ -140,9 +140,9 @@ Fit ScanMatcher::fit_second(const Departure& from, const scan::Scan& first, cons
       std::vector<scan::LidarPoint> first_points =
           in_base(first, scan::steady_sweep(twist, scan::seconds(first.start, first.end)));
       registration_->insert(first_points, from.T_map_base);
-      fit = expect(from, second, expect_perhaps(twist, from.end, second));
+      fit = predict(from, second, predict_from_hypothesis(twist, from.end, second));
       fit.first_points = std::move(first_points);
-      if (pass > 0) fit.prior.reach = kRefined;
+      if (pass > 0) fit.prior.reach = kRefinementReach;
       fit.result = registration_->align(fit.points, fit.prior);
       if (!fit.result.converged) break;
       twist = scan::twist_of(from.T_map_base.inverse() * fit.result.T_map_base, stride);
@@ -152,7 +152,7 @@ Fit ScanMatcher::fit_second(const Departure& from, const scan::Scan& first, cons
   };
   Fit best;
   bool last_is_best = false;
-  for (const scan::Twist& twist : first_motions(max_speed_, stride)) {
+  for (const scan::Twist& twist : initial_motion_hypotheses(max_speed_, stride)) {
     Fit fit = fit_with(twist);
     last_is_best = clearly_better(fit, best);
     if (last_is_best) best = std::move(fit);

@@ -10,13 +10,13 @@
 #include "services/mapper/registration/registration.hpp"
 #include "services/mapper/scan/deskew.hpp"
 #include "services/mapper/scan/scan.hpp"
-#include "services/mapper/tracking/motion_expectation.hpp"
 #include "services/mapper/tracking/motion_filter.hpp"
+#include "services/mapper/tracking/motion_prediction.hpp"
 
 namespace curbstone::mapper::tracking {
 
 /// The vehicle's pose at the end of the last scan.
-struct Departure {
+struct PreviousPose {
   std::int64_t end = 0;  ///< us
   Pose T_map_base = Pose::Identity();
   registration::Matrix6 drift =
@@ -25,7 +25,7 @@ struct Departure {
 
 /// A registered scan.
 struct Fit {
-  MotionExpectation expected;
+  MotionPrediction prediction;
   registration::PosePrior prior;            ///< the predicted pose
   registration::RegistrationResult result;  ///< the registered pose
   std::vector<scan::LidarPoint> points;     ///< de-skewed, in base_link
@@ -50,22 +50,23 @@ class ScanMatcher {
   void set_mount_yaw(double yaw);
 
   /// The scan at its predicted pose, not registered.
-  [[nodiscard]] Fit expect(const Departure& from, const scan::Scan& scan, MotionExpectation expected) const;
+  [[nodiscard]] Fit predict(const PreviousPose& from, const scan::Scan& scan, MotionPrediction prediction) const;
   /// Registers the scan. `motion`: the vehicle's motion until now, from scans.
-  [[nodiscard]] Fit fit(const Departure& from, const scan::Scan& scan, MotionExpectation expected,
+  [[nodiscard]] Fit fit(const PreviousPose& from, const scan::Scan& scan, MotionPrediction prediction,
                         const MotionFilter& motion);
   /// Registers the scan from other motions, after the predicted motion has failed and where there is no odometry.
   /// Returns the result that most points agree with.
-  [[nodiscard]] Fit fit_from_afar(const Departure& from, const scan::Scan& scan, const MotionFilter& motion);
+  [[nodiscard]] Fit fit_multi_start(const PreviousPose& from, const scan::Scan& scan, const MotionFilter& motion);
   /// Registers the first two scans of a drive to each other when the speed is unknown: tries all speeds up to
   /// `max_speed`. The registration map becomes the first scan, de-skewed, which ended at `from`: Fit::first_points.
-  [[nodiscard]] Fit fit_second(const Departure& from, const scan::Scan& first, const scan::Scan& second);
+  [[nodiscard]] Fit fit_second(const PreviousPose& from, const scan::Scan& first, const scan::Scan& second);
 
   /// The points of the scan, de-skewed, in base_link, without those on the vehicle itself.
   [[nodiscard]] std::vector<scan::LidarPoint> in_base(const scan::Scan& scan, const scan::SweepMotion& sweep) const;
 
  private:
-  [[nodiscard]] Fit refine_motion(const Departure& from, const scan::Scan& scan, const MotionFilter& before, Fit fit);
+  [[nodiscard]] Fit refine_motion(const PreviousPose& from, const scan::Scan& scan, const MotionFilter& before,
+                                  Fit fit);
 
   config::RegistrationConfig config_;
   double max_speed_;

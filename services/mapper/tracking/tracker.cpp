@@ -12,7 +12,7 @@ namespace {
 constexpr std::int64_t kLongestSweep = 1'000'000;  // us
 constexpr std::int64_t kClockJump = 100'000;       // us backwards: from here on a new clock, not a late scan
 constexpr int kFirstInsertions = 10;               // scans that the registration map takes even if the vehicle stands
-constexpr int kMostFromAfar = 3;                   // refusals in a row up to which other motions are tried
+constexpr int kMaxMultiStarts = 3;                 // refusals in a row up to which other motions are tried
 
 scan::SharedPoints share(std::vector<scan::LidarPoint> points) {
   return std::make_shared<const std::vector<scan::LidarPoint>>(std::move(points));
@@ -30,6 +30,7 @@ Tracker::Tracker(const config::TrackerConfig& config, const config::Registration
       keeps_map_(keeps_map),
       matcher_(registration, vehicle, config.max_speed),
       mount_(vehicle.T_base_lidar().translation()),
+      turn_by_scans_(vehicle.T_base_lidar().translation()),
       pairs_(registration, vehicle.T_base_lidar().translation()),
       lidar_yaw_(roll_pitch_yaw(vehicle.T_base_lidar().linear()).z()) {}
 
@@ -38,7 +39,7 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
   if (std::count_if(scan.points.begin(), scan.points.end(), scan::measured) < config_.min_points) {
     counters_.add("refused.sparse");
     ++sparse_in_a_row_;
-    return is_sweep(scan) ? pass_over(scan, odometry) : std::nullopt;
+    return is_sweep(scan) ? process_sparse(scan, odometry) : std::nullopt;
   }
   sparse_in_a_row_ = 0;
   if (!is_sweep(scan)) {
@@ -51,22 +52,22 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
     return std::nullopt;
   }
 
-  const scan::OdometryHistory& believed = way_.denied() ? no_odometry_ : odometry;
+  const scan::OdometryHistory& believed = odometry_check_.rejects_odometry() ? no_odometry_ : odometry;
   Attempt found = attempt(scan, believed);
   const auto by_scan = found.believed ? std::optional(found.fit.result.T_map_base) : std::nullopt;
-  const bool turns_otherwise = contradicts_odometry(found, scan, believed);
-  if (turns_otherwise) {
+  const bool turn_refused = contradicts_odometry(found, scan, believed);
+  if (turn_refused) {
     found = by_odometry(scan, odometry);
-    turned_otherwise_ = scan.end;
+    turn_refused_at_ = scan.end;
   }
-  turns_otherwise_ = turns_otherwise || (turns_otherwise_ && !found.believed && !turns_.gives_up(scan.end));
-  if (!found.fit.expected.with_odometry) counters_.add("without_odometry");
+  turn_refused_ = turn_refused || (turn_refused_ && !found.believed && !turns_.gives_up(scan.end));
+  if (!found.fit.prediction.with_odometry) counters_.add("without_odometry");
   if (!found.refusal.empty()) counters_.add(found.refusal);
   if (first_ && !found.believed) {  // they do not confirm each other: the drive begins with this one
     forget_start();
     return start(scan, odometry);
   }
-  std::optional<Tracked::Earlier> first = prove_start(found.fit);
+  std::optional<Tracked::Earlier> first = confirm_start(found.fit);
   const Last before = *last_;
   Tracked tracked = conclude(scan.end, std::move(found));
   note_odometry(before, odometry);
@@ -74,37 +75,38 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
   tracked.first = std::move(first);
   tracked.T_map_base_by_scan = by_scan;
   if (tracked.maps) insert(*tracked.points, tracked.T_map_base);
-  check_way(tracked, odometry);
+  check_odometry(tracked, odometry);
   return tracked;
 }
 
 /// Registers the scan from the pose that odometry, or a constant velocity, predicts; if that fails, from other motions.
 Tracker::Attempt Tracker::attempt(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
-  MotionExpectation expected = expect_motion(config_, recent(), scan, odometry);
-  if (expected.incredible) counters_.add("odometry.not_believed");
-  const Departure from = departure();
-  if (expected.blind) {
+  MotionPrediction prediction = predict_motion(config_, recent(), scan, odometry);
+  if (prediction.implausible) counters_.add("odometry.not_believed");
+  const PreviousPose from = departure();
+  if (prediction.blind) {
     // The first two scans are too far apart to confirm each other: the drive begins with this one.
-    if (first_) return {matcher_.expect(from, scan, std::move(expected)), {}, false};
-    if (auto bridged = attempt_across(from, scan, odometry)) return std::move(*bridged);
-    trust_.go_blind(counters_);
+    if (first_) return {matcher_.predict(from, scan, std::move(prediction)), {}, false};
+    if (auto bridged = attempt_across_gap(from, scan, odometry)) return std::move(*bridged);
+    tracking_state_.go_blind(counters_);
   }
-  if (trust_.groundless()) return {matcher_.expect(from, scan, std::move(expected)), {}, false};
-  const bool guided = expected.with_odometry;
+  if (tracking_state_.unbounded()) return {matcher_.predict(from, scan, std::move(prediction)), {}, false};
+  const bool guided = prediction.with_odometry;
   if (first_ && !guided) return judged(matcher_.fit_second(from, *first_, scan));
-  Attempt first = judged(matcher_.fit(from, scan, std::move(expected), motion_));
+  if (guided) correct_turn(prediction, scan, odometry);
+  Attempt first = judged(matcher_.fit(from, scan, std::move(prediction), motion_));
   if (guided && !check_mount(first, scan, odometry)) return first;
   if (first.believed) return first;
-  Attempt second = guided ? attempt_without_odometry(from, scan) : attempt_from_afar(from, scan);
+  Attempt second = guided ? attempt_without_odometry(from, scan) : attempt_multi_start(from, scan);
   return second.believed ? second : first;
 }
 
 /// Registers the scan after seconds of messages were missed, from odometry's poses before and after. Nothing if the
 /// LiDAR does not clearly agree.
-std::optional<Tracker::Attempt> Tracker::attempt_across(const Departure& from, const scan::Scan& scan,
-                                                        const scan::OdometryHistory& odometry) {
-  if (!trust_.tracking() || !last_->T_odom_base) return std::nullopt;
-  const auto across = expect_across(config_, recent(), *last_->T_odom_base, scan, odometry);
+std::optional<Tracker::Attempt> Tracker::attempt_across_gap(const PreviousPose& from, const scan::Scan& scan,
+                                                            const scan::OdometryHistory& odometry) {
+  if (!tracking_state_.tracking() || !last_->T_odom_base) return std::nullopt;
+  const auto across = predict_across_gap(config_, recent(), *last_->T_odom_base, scan, odometry);
   if (!across) return std::nullopt;
   Attempt bridged = judged(matcher_.fit(from, scan, *across, motion_), Certainty::kGuessed);
   if (!bridged.believed) return std::nullopt;
@@ -113,16 +115,17 @@ std::optional<Tracker::Attempt> Tracker::attempt_across(const Departure& from, c
 }
 
 /// Registers the scan from a constant velocity, in case odometry jumped.
-Tracker::Attempt Tracker::attempt_without_odometry(const Departure& from, const scan::Scan& scan) {
-  Attempt attempt = judged(matcher_.fit(from, scan, expect_steady(recent(), scan), motion_));
+Tracker::Attempt Tracker::attempt_without_odometry(const PreviousPose& from, const scan::Scan& scan) {
+  Attempt attempt = judged(matcher_.fit(from, scan, predict_constant_velocity(recent(), scan), motion_));
   if (attempt.believed) counters_.add("odometry.not_believed");
   return attempt;
 }
 
-/// Registers the scan from other motions, in case the motion has changed. Costly, so only for kMostFromAfar refusals.
-Tracker::Attempt Tracker::attempt_from_afar(const Departure& from, const scan::Scan& scan) {
-  if (!trust_.tracking() || trust_.refused_in_a_row() >= kMostFromAfar) return {};
-  return judged(matcher_.fit_from_afar(from, scan, motion_));
+/// Registers the scan from other motions, in case the motion has changed. Costly, so only for kMaxMultiStarts
+/// refusals.
+Tracker::Attempt Tracker::attempt_multi_start(const PreviousPose& from, const scan::Scan& scan) {
+  if (!tracking_state_.tracking() || tracking_state_.refused_in_a_row() >= kMaxMultiStarts) return {};
+  return judged(matcher_.fit_multi_start(from, scan, motion_));
 }
 
 /// Whether a scan follows the last one in time. A late or duplicate scan does not. After a gap or a jump of the clock
@@ -140,14 +143,14 @@ bool Tracker::follows(const scan::Scan& scan, const scan::OdometryHistory& odome
   }
   if (stride < 0) {  // not a gap but a new clock
     last_->end = *before - std::llround(stride_ * 1e6);
-    trust_.start(last_->end);
+    tracking_state_.start(last_->end);
   }
   return true;
 }
 
 /// Sets the new pose, and how far it can be trusted.
 Tracked Tracker::conclude(std::int64_t utime, Attempt found) {
-  const MotionExpectation& expected = found.fit.expected;
+  const MotionPrediction& prediction = found.fit.prediction;
   const Pose sought = found.believed ? found.fit.result.T_map_base : found.fit.prior.T_map_base;
   const Pose moved = last_->T_map_base.inverse() * sought;
   const double stride = scan::seconds(last_->end, utime);
@@ -155,29 +158,29 @@ Tracked Tracker::conclude(std::int64_t utime, Attempt found) {
 
   Tracked tracked;
   tracked.utime = utime;
-  tracked.with_odometry = expected.with_odometry;
-  tracked.stationary = expected.stationary && moved.translation().norm() < 0.03 && angle_of(moved) < 0.01;
+  tracked.with_odometry = prediction.with_odometry;
+  tracked.stationary = prediction.stationary && moved.translation().norm() < 0.03 && angle_of(moved) < 0.01;
   tracked.T_map_base = tracked.stationary ? last_->T_map_base : sought;
   tracked.registration = found.fit.result;
   if (found.believed) {  // registration's covariance does not include errors of de-skew
     tracked.registration.covariance +=
-        expected.with_odometry ? expected.deskew_covariance : motion_jitter_.covariance();
+        prediction.with_odometry ? prediction.deskew_covariance : motion_jitter_.covariance();
   }
   last_ = Last{utime, tracked.T_map_base};
-  const PoseTrust::Evidence evidence{utime,
-                                     stride,
-                                     expected.T_last_base.translation().norm(),
-                                     expected.with_odometry,
-                                     found.believed,
-                                     expected.covariance,
-                                     found.sparse};
-  if (!found.believed) tracked.registration.covariance = trust_.covariance_without(evidence);
-  tracked.anew = trust_.judge(evidence, counters_);
-  if (tracked.anew) begin_anew();
-  tracked.fix = trust_.fix();
+  const TrackingState::ScanResult evidence{utime,
+                                           stride,
+                                           prediction.T_last_base.translation().norm(),
+                                           prediction.with_odometry,
+                                           found.believed,
+                                           prediction.covariance,
+                                           found.sparse};
+  if (!found.believed) tracked.registration.covariance = tracking_state_.covariance_without(evidence);
+  tracked.map_restarted = tracking_state_.judge(evidence, counters_);
+  if (tracked.map_restarted) begin_anew();
+  tracked.fix = tracking_state_.fix();
   tracked.sparse = found.sparse;
-  tracked.registered = found.believed || tracked.anew;
-  tracked.maps = tracked.registered && trust_.tracking() && !mount_.shakes();
+  tracked.registered = found.believed || tracked.map_restarted;
+  tracked.maps = tracked.registered && tracking_state_.tracking() && !mount_.shakes();
   tracked.points = share(std::move(found.fit.points));
   return tracked;
 }
@@ -186,7 +189,7 @@ Tracked Tracker::conclude(std::int64_t utime, Attempt found) {
 void Tracker::begin_anew() {
   matcher_.clear_map();
   turns_.clear();
-  turns_otherwise_ = false;
+  turn_refused_ = false;
 }
 
 /// Updates the motion: `moved` is the vehicle's motion in `stride` s, by this scan.
@@ -196,7 +199,7 @@ void Tracker::learn_motion(const Attempt& found, const Pose& moved, double strid
     stride_ = stride;
     const scan::Twist before = std::exchange(twist_, scan::twist_of(moved, stride));
     if (steady_ >= 2 && found.believed) motion_jitter_.add(before, twist_, stride);
-    if (found.fit.expected.with_odometry) {
+    if (found.fit.prediction.with_odometry) {
       motion_.set(twist_);
     } else if (found.believed) {
       motion_ = found.fit.motion;
@@ -211,7 +214,7 @@ void Tracker::relocate(const Pose& T_map_base) {
   steady_ = 0;
   turns_.clear();
   agreed_.reset();
-  trust_.relocate();
+  tracking_state_.relocate();
 }
 
 void Tracker::rebuild(const std::vector<const scan::Keyframe*>& nodes, const Pose& T_map_base) {
@@ -224,15 +227,15 @@ void Tracker::rebuild(const std::vector<const scan::Keyframe*>& nodes, const Pos
   agreed_.reset();
 }
 
-void Tracker::begin_at(const Pose& T_map_base, double doubt) {
+void Tracker::begin_at(const Pose& T_map_base, double uncertainty) {
   known_start_ = T_map_base;
-  trust_.begin_lost(doubt);
+  tracking_state_.start_lost(uncertainty);
 }
 
 void Tracker::resume(std::int64_t utime, const Pose& T_map_base, double path, const scan::Twist& twist) {
   last_ = Last{utime, T_map_base};
   motion_.set(twist);
-  trust_.resume(utime, path);
+  tracking_state_.resume(utime, path);
 }
 
 bool Tracker::forget_far() {
@@ -249,13 +252,13 @@ Tracked Tracker::start(const scan::Scan& scan, const scan::OdometryHistory& odom
   if (!tracked.with_odometry) counters_.add("without_odometry");
   if (tracked.with_odometry) tracked.T_map_base = levelled(odometry.at(scan.end));
   if (known_start_) tracked.T_map_base = *known_start_ * tracked.T_map_base;
-  tracked.fix = trust_.fix();
-  tracked.registered = trust_.tracking();
+  tracked.fix = tracking_state_.fix();
+  tracked.registered = tracking_state_.tracking();
   tracked.registration.T_map_base = tracked.T_map_base;
   tracked.registration.converged = true;
   tracked.registration.inlier_ratio = 1;
   last_ = Last{scan.end, tracked.T_map_base};
-  trust_.start(scan.end);
+  tracking_state_.start(scan.end);
   T_map_keyframe_ = tracked.T_map_base;
   if (tracked.registered && !tracked.with_odometry) {
     first_ = scan;
@@ -271,7 +274,7 @@ Tracked Tracker::start(const scan::Scan& scan, const scan::OdometryHistory& odom
 }
 
 /// The second scan fits the first, which confirms it: returns the first scan for the map. Nothing for all later scans.
-std::optional<Tracked::Earlier> Tracker::prove_start(const Fit& second) {
+std::optional<Tracked::Earlier> Tracker::confirm_start(const Fit& second) {
   if (!std::exchange(first_, std::nullopt)) return std::nullopt;
   std::vector<scan::LidarPoint> points = std::exchange(first_points_, {});
   if (!second.first_points.empty()) points = second.first_points;
@@ -282,7 +285,7 @@ void Tracker::forget_start() {
   matcher_.clear_map();
   last_.reset();
   turns_.clear();
-  trust_.forget_drift();
+  tracking_state_.forget_drift();
   twist_ = {};
   motion_.set({});
   first_.reset();
@@ -290,13 +293,13 @@ void Tracker::forget_start() {
 }
 
 Certainty Tracker::certainty() const {
-  if (trust_.tracking()) return Certainty::kFollowed;
-  return trust_.fix() == Fix::kTentative ? Certainty::kFound : Certainty::kGuessed;
+  if (tracking_state_.tracking()) return Certainty::kFollowed;
+  return tracking_state_.fix() == Fix::kTentative ? Certainty::kFound : Certainty::kGuessed;
 }
 
 Tracker::Attempt Tracker::judged(Fit fit, Certainty guess) const {
   Attempt attempt{std::move(fit), {}, false};
-  attempt.refusal = why_refused(attempt.fit, config_, trust_.drift(), guess);
+  attempt.refusal = why_refused(attempt.fit, config_, tracking_state_.drift(), guess);
   attempt.believed = attempt.refusal.empty();
   return attempt;
 }

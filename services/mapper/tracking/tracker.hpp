@@ -12,20 +12,21 @@
 #include "services/mapper/config/registration_config.hpp"
 #include "services/mapper/config/tracker_config.hpp"
 #include "services/mapper/mounting/mount_yaw.hpp"
+#include "services/mapper/mounting/turn_by_scans.hpp"
 #include "services/mapper/registration/registration.hpp"
 #include "services/mapper/scan/deskew.hpp"
 #include "services/mapper/scan/keyframe.hpp"
 #include "services/mapper/scan/odometry_history.hpp"
 #include "services/mapper/scan/scan.hpp"
 #include "services/mapper/tracking/acceptance.hpp"
-#include "services/mapper/tracking/motion_expectation.hpp"
 #include "services/mapper/tracking/motion_filter.hpp"
 #include "services/mapper/tracking/motion_jitter_covariance.hpp"
-#include "services/mapper/tracking/pair_motion.hpp"
-#include "services/mapper/tracking/pose_trust.hpp"
+#include "services/mapper/tracking/motion_prediction.hpp"
+#include "services/mapper/tracking/odometry_check.hpp"
 #include "services/mapper/tracking/scan_matcher.hpp"
+#include "services/mapper/tracking/scan_to_scan_motion.hpp"
+#include "services/mapper/tracking/tracking_state.hpp"
 #include "services/mapper/tracking/turn_check.hpp"
-#include "services/mapper/tracking/way_check.hpp"
 
 namespace curbstone::mapper::tracking {
 
@@ -41,11 +42,11 @@ struct Tracked {
   bool registered = false;
   bool with_odometry = false;
   bool stationary = false;
-  bool began = false;         ///< a drive begins with this scan, or begins again
-  bool anew = false;          ///< the registration map begins anew: the pose is by odometry alone
-  bool sparse = false;        ///< too few points to register: the pose is by odometry
-  bool maps = false;          ///< the map may take the scan
-  scan::SharedPoints points;  ///< de-skewed, in base_link; never null
+  bool began = false;          ///< a drive begins with this scan, or begins again
+  bool map_restarted = false;  ///< the registration map begins anew: the pose is by odometry alone
+  bool sparse = false;         ///< too few points to register: the pose is by odometry
+  bool maps = false;           ///< the map may take the scan
+  scan::SharedPoints points;   ///< de-skewed, in base_link; never null
   /// The very first scan, once the second has confirmed it: without odometry its motion is known only then.
   struct Earlier {
     scan::SharedPoints points;
@@ -60,9 +61,9 @@ struct Tracked {
 ///
 /// Counters: revolutions, keyframes, refused.sparse, refused.time, refused.not_converged, refused.overlap,
 /// refused.inliers, refused.residual, refused.jump, refused.turn (contradicts wheels and gyro), refused.mount (the
-/// LiDAR turns in its mount), odometry.not_believed, without_odometry, lost.blind (no sensor measured the motion for
-/// too long), bridged (likewise, but odometry and LiDAR agree on the pose now), lost.refused (no scan fitted for too
-/// long), found, began_anew (on odometry alone).
+/// LiDAR turns in its mount), odometry.not_believed, odometry.turn_by_scans (corrected without a gyro),
+/// without_odometry, lost.blind (no sensor measured the motion for too long), bridged (likewise, but odometry and LiDAR
+/// agree on the pose now), lost.refused (no scan fitted for too long), found, began_anew (on odometry alone).
 class Tracker {
  public:
   /// `keeps_map` false: the registration map is that of an earlier drive and takes no scans.
@@ -75,20 +76,20 @@ class Tracker {
   [[nodiscard]] std::optional<Tracked> track(const scan::Scan& scan, const scan::OdometryHistory& odometry);
 
   [[nodiscard]] bool started() const { return last_.has_value(); }
-  [[nodiscard]] Fix fix() const { return trust_.fix(); }
+  [[nodiscard]] Fix fix() const { return tracking_state_.fix(); }
   [[nodiscard]] const Pose& T_map_base() const { return last_->T_map_base; }
   /// Lost, and for some of the time since the last scan that fitted no sensor measured the motion.
-  [[nodiscard]] bool adrift() const { return trust_.adrift(); }
+  [[nodiscard]] bool was_unobserved() const { return tracking_state_.was_unobserved(); }
   /// Possible error of the pose since the last scan that fitted, m.
-  [[nodiscard]] double doubt() const { return trust_.doubt(); }
+  [[nodiscard]] double uncertainty() const { return tracking_state_.uncertainty(); }
   /// End of the last scan that fitted, us.
-  [[nodiscard]] std::int64_t fitted() const { return trust_.fitted(); }
+  [[nodiscard]] std::int64_t last_fit() const { return tracking_state_.last_fit(); }
 
   /// Sets the pose after relocalisation: lost becomes tentative.
   void relocate(const Pose& T_map_base);
-  /// The first scan is within `doubt` m of this pose in a loaded map, instead of at the map's origin. Lost until
+  /// The first scan is within `uncertainty` m of this pose in a loaded map, instead of at the map's origin. Lost until
   /// relocate().
-  void begin_at(const Pose& T_map_base, double doubt);
+  void begin_at(const Pose& T_map_base, double uncertainty);
   /// Continues the drive of another mapper: the vehicle is at `T_map_base` at `utime`, us, by odometry over `path` m
   /// since its last pose there. `twist`: its motion, for a first scan without odometry. Before the first scan.
   void resume(std::int64_t utime, const Pose& T_map_base, double path, const scan::Twist& twist = {});
@@ -103,19 +104,19 @@ class Tracker {
   /// Number of voxels of the registration map; bounded by its window.
   [[nodiscard]] std::size_t registration_size() const { return matcher_.map().size(); }
   [[nodiscard]] const Counters& counters() const { return counters_; }
-  /// Whether odometry and scans agree on the way. While odometry is denied, the tracker uses scans alone.
-  [[nodiscard]] const WayCheck& way() const { return way_; }
+  /// Whether odometry and scans agree on the distance driven. While odometry is rejected, the tracker uses scans alone.
+  [[nodiscard]] const OdometryCheck& odometry_check() const { return odometry_check_; }
   /// Whether the LiDAR turns in its mount. Its turns are corrected.
   [[nodiscard]] const mounting::MountYaw& mount() const { return mount_; }
-  /// Appends the faults of way(), of mount(), and of scans with too few points.
+  /// Appends the faults of odometry_check(), of mount(), and of scans with too few points.
   void add_faults(std::vector<std::string>& faults) const;
   /// A scan was refused because its turn contradicts wheels and gyro, and no scan was accepted since. Ends when
   /// TurnCheck gives up.
-  [[nodiscard]] bool turns_otherwise() const { return turns_otherwise_; }
+  [[nodiscard]] bool turn_refused() const { return turn_refused_; }
   /// us, end of the last scan that was refused for that reason; 0: none.
-  [[nodiscard]] std::int64_t turned_otherwise() const { return turned_otherwise_; }
+  [[nodiscard]] std::int64_t turn_refused_at() const { return turn_refused_at_; }
   /// Number of scans in a row that could not be registered.
-  [[nodiscard]] int refused_in_a_row() const { return trust_.refused_in_a_row(); }
+  [[nodiscard]] int refused_in_a_row() const { return tracking_state_.refused_in_a_row(); }
 
  private:
   struct Last {
@@ -134,14 +135,15 @@ class Tracker {
 
   [[nodiscard]] bool follows(const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] RecentMotion recent() const { return {last_->end, motion_.twist(), stride_}; }
-  [[nodiscard]] Departure departure() const { return {last_->end, last_->T_map_base, trust_.drift()}; }
-  [[nodiscard]] std::optional<Tracked> pass_over(const scan::Scan& scan, const scan::OdometryHistory& odometry);
+  [[nodiscard]] PreviousPose departure() const { return {last_->end, last_->T_map_base, tracking_state_.drift()}; }
+  [[nodiscard]] std::optional<Tracked> process_sparse(const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] Attempt attempt(const scan::Scan& scan, const scan::OdometryHistory& odometry);
-  [[nodiscard]] std::optional<Attempt> attempt_across(const Departure& from, const scan::Scan& scan,
-                                                      const scan::OdometryHistory& odometry);
-  [[nodiscard]] Attempt attempt_without_odometry(const Departure& from, const scan::Scan& scan);
-  [[nodiscard]] Attempt attempt_from_afar(const Departure& from, const scan::Scan& scan);
+  [[nodiscard]] std::optional<Attempt> attempt_across_gap(const PreviousPose& from, const scan::Scan& scan,
+                                                          const scan::OdometryHistory& odometry);
+  [[nodiscard]] Attempt attempt_without_odometry(const PreviousPose& from, const scan::Scan& scan);
+  [[nodiscard]] Attempt attempt_multi_start(const PreviousPose& from, const scan::Scan& scan);
   [[nodiscard]] bool turns_steadily(std::int64_t from, std::int64_t to, const scan::OdometryHistory& odometry) const;
+  void correct_turn(MotionPrediction& prediction, const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] bool check_mount(Attempt& found, const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] bool contradicts_odometry(const Attempt& found, const scan::Scan& scan,
                                           const scan::OdometryHistory& odometry) const;
@@ -150,13 +152,13 @@ class Tracker {
   [[nodiscard]] Attempt judged(Fit fit, Certainty guess) const;
   [[nodiscard]] Certainty certainty() const;
   [[nodiscard]] Tracked start(const scan::Scan& scan, const scan::OdometryHistory& odometry);
-  [[nodiscard]] std::optional<Tracked::Earlier> prove_start(const Fit& second);
+  [[nodiscard]] std::optional<Tracked::Earlier> confirm_start(const Fit& second);
   void forget_start();
   [[nodiscard]] Tracked conclude(std::int64_t utime, Attempt found);
   void learn_motion(const Attempt& found, const Pose& moved, double stride);
   void begin_anew();
-  void check_way(const Tracked& tracked, const scan::OdometryHistory& odometry);
-  void go_by_scans(const WayCheck::Pair& pair, const Pose& T_odom_base);
+  void check_odometry(const Tracked& tracked, const scan::OdometryHistory& odometry);
+  void continue_by_scans(const OdometryCheck::Pair& pair, const Pose& T_odom_base);
   void note_turn(const Tracked& tracked, const scan::OdometryHistory& odometry);
   void note_odometry(const Last& before, const scan::OdometryHistory& odometry);
   void insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base);
@@ -169,16 +171,17 @@ class Tracker {
   std::optional<std::int64_t> broken_;          // us, end of a scan that did not follow the previous one in time
   std::optional<scan::Scan> first_;             // without odometry, until its motion is known
   std::vector<scan::LidarPoint> first_points_;  // of first_, de-skewed
-  PoseTrust trust_;
+  TrackingState tracking_state_;
   TurnCheck turns_;
   mounting::MountYaw mount_;
-  PairMotion pairs_;
-  WayCheck way_;
+  mounting::TurnByScans turn_by_scans_;
+  ScanToScanMotion pairs_;
+  OdometryCheck odometry_check_;
   std::optional<Last> agreed_;               // when odometry and scans last agreed, in this map
-  const scan::OdometryHistory no_odometry_;  // used while odometry is denied
+  const scan::OdometryHistory no_odometry_;  // used while odometry is rejected
   double lidar_yaw_;
-  bool turns_otherwise_ = false;  // see turns_otherwise()
-  std::int64_t turned_otherwise_ = 0;
+  bool turn_refused_ = false;  // see turn_refused()
+  std::int64_t turn_refused_at_ = 0;
   int sparse_in_a_row_ = 0;
   scan::Twist twist_;     // over the last scan
   MotionFilter motion_;   // estimated without odometry

@@ -10,9 +10,9 @@
 namespace curbstone::mapper::tracking {
 namespace {
 
-constexpr double kLeap = 0.03;  // rad, change of the turn from scan to scan that no vehicle makes
+constexpr double kMaxTurnChange = 0.03;  // rad, change of the turn from scan to scan that no vehicle makes
 constexpr double kSteady = 0.5 * mounting::MountYaw::kTurn;  // rad, a smaller change from scan to scan is a vehicle's
-constexpr int kSparse = 10;                                  // scans in a row that are a fault
+constexpr int kMinSparseForFault = 10;                       // scans in a row that are a fault
 constexpr double kLongestAlone = 5;                          // s for which a speed is taken as constant
 
 }  // namespace
@@ -31,11 +31,11 @@ void Tracker::note_odometry(const Last& before, const scan::OdometryHistory& odo
 
 /// Processes a scan with too few points: fog, dust, an open field, a covered window. That is no reason to doubt
 /// odometry, which continues the pose. Nothing, and no change of pose or map, if odometry cannot.
-std::optional<Tracked> Tracker::pass_over(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
-  if (!last_ || first_ || way_.denied() || scan.end <= last_->end) return std::nullopt;
-  MotionExpectation expected = expect_motion(config_, recent(), scan, odometry);
-  if (!expected.with_odometry) return std::nullopt;
-  Attempt none{matcher_.expect(departure(), scan, std::move(expected))};
+std::optional<Tracked> Tracker::process_sparse(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
+  if (!last_ || first_ || odometry_check_.rejects_odometry() || scan.end <= last_->end) return std::nullopt;
+  MotionPrediction prediction = predict_motion(config_, recent(), scan, odometry);
+  if (!prediction.with_odometry) return std::nullopt;
+  Attempt none{matcher_.predict(departure(), scan, std::move(prediction))};
   none.sparse = true;
   broken_.reset();
   pairs_.interrupt();
@@ -46,34 +46,34 @@ std::optional<Tracked> Tracker::pass_over(const scan::Scan& scan, const scan::Od
 }
 
 /// Compares odometry's way with that of two scans alone, about once a second.
-void Tracker::check_way(const Tracked& tracked, const scan::OdometryHistory& odometry) {
+void Tracker::check_odometry(const Tracked& tracked, const scan::OdometryHistory& odometry) {
   if (!odometry.covers(tracked.utime, tracked.utime)) return pairs_.interrupt();
   const Pose T_odom_base = odometry.at(tracked.utime);
-  const auto pair =
-      pairs_.take(tracked.utime, *tracked.points, T_odom_base, way_.in_doubt(), way_.in_doubt() || way_.is_new());
+  const auto pair = pairs_.take(tracked.utime, *tracked.points, T_odom_base, odometry_check_.is_suspect(),
+                                odometry_check_.is_suspect() || odometry_check_.is_new());
   if (!pair) return;
-  const bool was_denied = way_.denied();
-  way_.add(*pair);
-  if (way_.good() && tracked.registered) agreed_ = Last{tracked.utime, tracked.T_map_base, T_odom_base};
-  if (way_.denied() && !was_denied) go_by_scans(*pair, T_odom_base);
+  const bool was_rejected = odometry_check_.rejects_odometry();
+  odometry_check_.add(*pair);
+  if (odometry_check_.agrees() && tracked.registered) agreed_ = Last{tracked.utime, tracked.T_map_base, T_odom_base};
+  if (odometry_check_.rejects_odometry() && !was_rejected) continue_by_scans(*pair, T_odom_base);
 }
 
 /// Odometry has gone wrong since it last agreed with the scans. Moves the vehicle to where the scans' speed leads from
 /// the pose of that time, with odometry's turn.
-void Tracker::go_by_scans(const WayCheck::Pair& pair, const Pose& T_odom_base) {
+void Tracker::continue_by_scans(const OdometryCheck::Pair& pair, const Pose& T_odom_base) {
   scan::Twist twist;
   twist.linear.head<2>() = pair.by_scans / pair.seconds;
   motion_.set(twist);
   twist_ = twist;
   steady_ = 0;
   const double seconds = agreed_ ? scan::seconds(agreed_->end, pair.utime) : 0;
-  if (!trust_.tracking() || !(seconds > 0 && seconds < kLongestAlone)) return;
+  if (!tracking_state_.tracking() || !(seconds > 0 && seconds < kLongestAlone)) return;
   twist.angular = scan::twist_of(agreed_->T_odom_base->inverse() * T_odom_base, seconds).angular;
   last_->T_map_base = normalised(agreed_->T_map_base * scan::move(twist, seconds));
 }
 
 void Tracker::note_turn(const Tracked& tracked, const scan::OdometryHistory& odometry) {
-  if (turns_otherwise_) return;
+  if (turn_refused_) return;
   if (!tracked.with_odometry || !odometry.covers(tracked.utime, tracked.utime)) {
     turns_.clear();
   } else if (tracked.registered) {
@@ -92,6 +92,17 @@ bool Tracker::turns_steadily(std::int64_t from, std::int64_t to, const scan::Odo
   return angle_of(T_middle_odom * odometry.at(to) * (T_middle_odom * odometry.at(before))) < kSteady;
 }
 
+/// Corrects the turn that is predicted by odometry without a gyro: a wheel that slips turns it.
+void Tracker::correct_turn(MotionPrediction& prediction, const scan::Scan& scan,
+                           const scan::OdometryHistory& odometry) {
+  if (odometry.with_gyro(last_->end, scan.end)) return turn_by_scans_.interrupt();
+  const std::vector<scan::LidarPoint> points = matcher_.in_base(scan, prediction.sweep);
+  const double error = turn_by_scans_.error_since_last(scan.end, points, odometry.at(scan.end));
+  if (error == 0) return;
+  counters_.add("odometry.turn_by_scans");
+  prediction.T_last_base.rotate(Eigen::AngleAxisd(-error, Eigen::Vector3d::UnitZ()));
+}
+
 /// Checks that the LiDAR has not turned in its mount. While it may be turning, `found` is refused, and false is
 /// returned. Once it has turned, `found` is the scan de-skewed and registered again, with the mount's new yaw.
 bool Tracker::check_mount(Attempt& found, const scan::Scan& scan, const scan::OdometryHistory& odometry) {
@@ -102,11 +113,11 @@ bool Tracker::check_mount(Attempt& found, const scan::Scan& scan, const scan::Od
   const auto sight =
       mount_.add({scan.end, &found.fit.points, odometry.at(scan.end), odometry.turn_confirmed(last_->end, scan.end)});
   matcher_.set_mount_yaw(mount_.yaw());
-  if (sight == mounting::MountYaw::Sight::kTurned) {
+  if (sight == mounting::MountYaw::Result::kTurned) {
     pairs_.interrupt();
-    found = judged(matcher_.fit(departure(), scan, expect_motion(config_, recent(), scan, odometry), motion_));
+    found = judged(matcher_.fit(departure(), scan, predict_motion(config_, recent(), scan, odometry), motion_));
   }
-  if (sight != mounting::MountYaw::Sight::kUnsure) return true;
+  if (sight != mounting::MountYaw::Result::kUncertain) return true;
   found.believed = false;
   found.refusal = "refused.mount";
   return false;
@@ -121,21 +132,22 @@ bool Tracker::contradicts_odometry(const Attempt& found, const scan::Scan& scan,
   }
   const Pose T_odom_base = odometry.at(scan.end);
   const scan::Twist by_odometry = scan::twist_of(last_->T_odom_base->inverse() * T_odom_base, stride_);
-  const double leap = (by_odometry.angular - twist_.angular).norm() * stride_;
-  return leap < kLeap && turns_.contradicts(scan.end, found.fit.result.T_map_base, T_odom_base);
+  const double turn_change = (by_odometry.angular - twist_.angular).norm() * stride_;
+  return turn_change < kMaxTurnChange && turns_.contradicts(scan.end, found.fit.result.T_map_base, T_odom_base);
 }
 
 /// A refused scan, at the pose that odometry predicts from before the registration began to slide.
 Tracker::Attempt Tracker::by_odometry(const scan::Scan& scan, const scan::OdometryHistory& odometry) const {
-  Attempt refused{matcher_.expect(departure(), scan, expect_motion(config_, recent(), scan, odometry)), "refused.turn"};
+  Attempt refused{matcher_.predict(departure(), scan, predict_motion(config_, recent(), scan, odometry)),
+                  "refused.turn"};
   refused.fit.prior.T_map_base = normalised(turns_.by_odometry(odometry.at(scan.end)));
   return refused;
 }
 
 void Tracker::add_faults(std::vector<std::string>& faults) const {
-  way_.add_faults(faults, lidar_yaw_);
+  odometry_check_.add_faults(faults, lidar_yaw_);
   mount_.add_faults(faults);
-  if (sparse_in_a_row_ >= kSparse)
+  if (sparse_in_a_row_ >= kMinSparseForFault)
     faults.push_back(
         fmt::format("LiDAR: fewer than {} returns in each of the last {} revolutions: nothing is mapped, and odometry "
                     "alone tells of the way. Fog, dust, an open field, or a covered window?",

@@ -14,8 +14,8 @@ namespace curbstone::mapper::tracking {
 /// wrong scale contradicts the wheels in a bend; one whose bias leapt contradicts the wheels until the filter explains
 /// it, and from then on the scans.
 ///
-/// It does not detect a registration that slides by less than PosePairs::kMostTurn in a second, or without turning: on
-/// a straight road only max_jump_m does.
+/// It does not detect a registration that slides by less than PosePairs::kMaxTurnDifference in a second, or without
+/// turning: on a straight road only max_jump_m does.
 ///
 /// Pure; one thread.
 class TurnCheck {
@@ -37,10 +37,10 @@ class TurnCheck {
   [[nodiscard]] Pose by_odometry(const Pose& T_odom_base) const { return believed_.by_odometry(T_odom_base); }
 
  private:
-  [[nodiscard]] bool apart(const Pose& T_map_base, const Pose& T_odom_base) const;
+  [[nodiscard]] bool disagree(const Pose& T_map_base, const Pose& T_odom_base) const;
 
   scan::PosePairs believed_;
-  std::optional<std::int64_t> apart_;  // us, when odometry last differed from an accepted scan, or start
+  std::optional<std::int64_t> disagreed_;  // us, when odometry last differed from an accepted scan, or start
 };
 
 }  // namespace curbstone::mapper::tracking

@@ -90,8 +90,8 @@ struct VoterTile {
       sleeping_voters.push_back(
           {from.voters.at(slot.lane()), kernels::sums_of(from.voters, from.settled, slot.lane())});
     }
-    give_back(chunks);
-    give_back(voters);
+    release_memory(chunks);
+    release_memory(voters);
     voxels = VoxelTable();
     voter_of_point.shrink_to_fit();
     slots.shrink_to_fit();
@@ -116,7 +116,7 @@ struct VoterTile {
       voters[slots[i].block()][lane] = i;
       voxels.find_or_insert(voxel_of(from.at));
     }
-    give_back(sleeping_voters);
+    release_memory(sleeping_voters);
   }
 
   /// The votes that each voter has received.

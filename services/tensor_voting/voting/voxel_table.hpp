@@ -44,7 +44,7 @@ class VoxelTable {
 
   void grow() {
     const std::size_t size = slots_.empty() ? 32 : 2 * slots_.size();
-    give_back(slots_);
+    release_memory(slots_);
     slots_.assign(size, kFree);
     for (std::uint32_t i = 0; i < keys_.size(); ++i) slots_[slot_of(keys_[i])] = i;
   }

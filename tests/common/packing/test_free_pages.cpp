@@ -14,7 +14,7 @@ TEST(FreePages, GrowTheFileOnlyWhenNoGapIsLongEnough) {
   EXPECT_EQ(pages.take(3), 0U);
   EXPECT_EQ(pages.take(2), 3U);
   EXPECT_EQ(pages.take(1), 5U);
-  pages.give_back(0, 3);
+  pages.release(0, 3);
   EXPECT_EQ(pages.take(4), 6U);
   EXPECT_EQ(pages.take(2), 0U);
   EXPECT_EQ(pages.take(1), 2U);
@@ -24,19 +24,19 @@ TEST(FreePages, GrowTheFileOnlyWhenNoGapIsLongEnough) {
 TEST(FreePages, GapsThatTouchAreOne) {
   FreePages pages;
   for (int i = 0; i < 5; ++i) (void)pages.take(2);
-  pages.give_back(2, 2);
-  pages.give_back(6, 2);
-  pages.give_back(4, 2);
+  pages.release(2, 2);
+  pages.release(6, 2);
+  pages.release(4, 2);
   EXPECT_EQ(pages.take(6), 2U);
 }
 
 TEST(FreePages, TheLastOnesAreCutOff) {
   FreePages pages;
   for (int i = 0; i < 3; ++i) (void)pages.take(2);
-  pages.give_back(2, 2);
-  pages.give_back(4, 2);
+  pages.release(2, 2);
+  pages.release(4, 2);
   EXPECT_EQ(pages.num_pages(), 2U);
-  pages.give_back(0, 2);
+  pages.release(0, 2);
   EXPECT_EQ(pages.num_pages(), 0U);
 }
 
@@ -56,7 +56,7 @@ TEST(FreePages, ArePromisedToOneAtATime) {
       const auto [first, count] = taken.back();
       taken.pop_back();
       for (std::uint64_t page = first; page < first + count; ++page) used.erase(page);
-      pages.give_back(first, count);
+      pages.release(first, count);
     }
     ASSERT_LE(used.empty() ? 0 : *used.rbegin() + 1, pages.num_pages());
   }

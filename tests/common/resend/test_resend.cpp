@@ -35,7 +35,8 @@ class ResendTest : public ::testing::Test {
       ++requests_;
       if (keeper_answers_) keeper_.request(m);
     });
-    bus_.subscribe<odometry_t>(again("ODOMETRY"), [this](const odometry_t& m) { came_.push_back(m.position[0]); });
+    bus_.subscribe<odometry_t>(resent_channel("ODOMETRY"),
+                               [this](const odometry_t& m) { came_.push_back(m.position[0]); });
   }
   void keep(int from, int to) {
     for (int i = from; i < to; ++i) keeper_.keep(sample(i));

@@ -133,9 +133,9 @@ class FarMap {
   }
   [[nodiscard]] int num_away() const {
     const dense_map::DenseMap& map = node_.mapper().grown();
-    int away = 0;
-    for (const TileKey& key : map.keys()) away += map.tile(key)->is_away() ? 1 : 0;
-    return away;
+    int spilled = 0;
+    for (const TileKey& key : map.keys()) spilled += map.tile(key)->is_spilled() ? 1 : 0;
+    return spilled;
   }
   [[nodiscard]] std::int64_t counter(const std::string& name) const { return node_.report().counters[name]; }
   /// So that none of them waits in memory.

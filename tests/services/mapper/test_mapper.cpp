@@ -93,7 +93,7 @@ class MapperInABendTest : public ::testing::Test {
       ASSERT_TRUE(update_) << i;
       if (i == kBegin + num_along - 1) {
         error_ = drive_.error(*update_);
-        turns_otherwise_ = drive_.mapper->turns_otherwise();
+        turn_refused_ = drive_.mapper->turn_refused();
       }
     }
   }
@@ -102,18 +102,18 @@ class MapperInABendTest : public ::testing::Test {
   Drive drive_;
   std::optional<MapperUpdate> update_;
   double error_ = 0;  // m, at the end of the bend
-  bool turns_otherwise_ = false;
+  bool turn_refused_ = false;
 };
 
 TEST_F(MapperInABendTest, WheelsAndGyroAreBelievedRatherThanWhatComesAlong) {
   drive({});
-  EXPECT_TRUE(turns_otherwise_);
+  EXPECT_TRUE(turn_refused_);
   EXPECT_LT(error_, 0.05);
   EXPECT_GE(counter("refused.turn"), 10);
   EXPECT_TRUE(update_->registered);
-  EXPECT_FALSE(drive_.mapper->turns_otherwise());
-  EXPECT_GT(drive_.mapper->turned_otherwise(), update_->utime - 2'500'000) << "it stays known when that was";
-  EXPECT_LT(drive_.mapper->turned_otherwise(), update_->utime - 1'000'000);
+  EXPECT_FALSE(drive_.mapper->turn_refused());
+  EXPECT_GT(drive_.mapper->turn_refused_at(), update_->utime - 2'500'000) << "it stays known when that was";
+  EXPECT_LT(drive_.mapper->turn_refused_at(), update_->utime - 1'000'000);
   EXPECT_LT(drive_.error(*update_), 0.05);
 }
 
@@ -125,14 +125,14 @@ TEST_F(MapperInABendTest, AfterSixSecondsTheMapBeginsAnewWhereOdometryHasLed) {
 
 TEST_F(MapperInABendTest, WithoutTheKeyTheScansAreBelieved) {
   drive({.turn_by_odometry = false});
-  EXPECT_FALSE(turns_otherwise_);
+  EXPECT_FALSE(turn_refused_);
   EXPECT_GT(error_, 0.2);
   EXPECT_EQ(counter("refused.turn"), 0);
 }
 
 TEST_F(MapperInABendTest, WhereTheyDoNotAgreeTheScansAreBelieved) {
   drive({.confirmed = false});
-  EXPECT_FALSE(turns_otherwise_);
+  EXPECT_FALSE(turn_refused_);
   EXPECT_GT(error_, 0.2);
   EXPECT_EQ(counter("refused.turn"), 0);
 }

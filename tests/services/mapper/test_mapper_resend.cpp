@@ -65,9 +65,10 @@ struct ResentDrive {
     const auto pass = [&](const std::string& channel, const auto& message) {
       if (loses == 0 || ++count % loses != 0) lossy.publish(channel, message);
     };
-    bus.subscribe<lidar_points_t>(again("LIDAR_POINTS"),
-                                  [&](const lidar_points_t& m) { pass(again("LIDAR_POINTS"), m); });
-    bus.subscribe<odometry_t>(again("ODOMETRY"), [&](const odometry_t& m) { pass(again("ODOMETRY"), m); });
+    bus.subscribe<lidar_points_t>(resent_channel("LIDAR_POINTS"),
+                                  [&](const lidar_points_t& m) { pass(resent_channel("LIDAR_POINTS"), m); });
+    bus.subscribe<odometry_t>(resent_channel("ODOMETRY"),
+                              [&](const odometry_t& m) { pass(resent_channel("ODOMETRY"), m); });
     lossy.subscribe<map_pose_t>("MAP_POSE", [&](const map_pose_t& m) {
       poses.push_back(
           {static_cast<double>(m.utime), m.map_base_position[0], m.map_base_position[1], m.map_base_position[2]});

@@ -54,9 +54,9 @@ Content content_of(const DenseMap& map) {
   return all;
 }
 int num_away(const DenseMap& map) {
-  int away = 0;
-  for (const TileKey& key : map.keys()) away += map.tile(key)->is_away() ? 1 : 0;
-  return away;
+  int spilled = 0;
+  for (const TileKey& key : map.keys()) spilled += map.tile(key)->is_spilled() ? 1 : 0;
+  return spilled;
 }
 
 class FarTiles : public testing::Test {
@@ -82,14 +82,14 @@ TEST_F(FarTiles, RecordsComeBackWithEveryBit) {
 TEST_F(FarTiles, ATileThatWasAwayIsTheSame) {
   DenseTile tile = tile_with_removals();
   DenseTile other = tile;
-  EXPECT_FALSE(tile.put_away(*file_)) << "it is awake";
+  EXPECT_FALSE(tile.spill(*file_)) << "it is awake";
   tile.sleep();
   other.sleep();
   const TileRecords before = *tile.read();
-  ASSERT_TRUE(tile.put_away(*file_));
-  EXPECT_FALSE(tile.put_away(*file_)) << "it is away";
+  ASSERT_TRUE(tile.spill(*file_));
+  EXPECT_FALSE(tile.spill(*file_)) << "it is away";
   file_->flush();
-  EXPECT_TRUE(tile.is_away());
+  EXPECT_TRUE(tile.is_spilled());
   EXPECT_EQ(tile.bytes(), 0U);
   EXPECT_EQ(*tile.read(), before);
   EXPECT_EQ(tile.read()->standing(), before.standing());
@@ -108,19 +108,19 @@ TEST_F(FarTiles, ATileThatWasAwayIsTheSame) {
 TEST_F(FarTiles, WhatGotNothingNewIsNotWrittenAnew) {
   DenseTile tile = tile_with_removals();
   tile.sleep();
-  ASSERT_TRUE(tile.put_away(*file_));
+  ASSERT_TRUE(tile.spill(*file_));
   file_->flush();
   const std::size_t once = file_->bytes_in_file();
   ASSERT_TRUE(tile.wake());
   tile.sleep();
-  ASSERT_TRUE(tile.put_away(*file_));
+  ASSERT_TRUE(tile.spill(*file_));
   EXPECT_EQ(file_->bytes_in_memory(), 0U) << "nothing waits to be written";
   EXPECT_EQ(file_->bytes_in_file(), once);
   ASSERT_TRUE(tile.wake());
   tile.append({3, 3, 3, 3}, kStart + 20 * kSecond, 2);
   const TileRecords grown = *tile.read();
   tile.sleep();
-  ASSERT_TRUE(tile.put_away(*file_));
+  ASSERT_TRUE(tile.spill(*file_));
   file_->flush();
   EXPECT_EQ(*tile.read(), grown);
   SpillFile other;
@@ -133,10 +133,10 @@ TEST_F(FarTiles, ARollBackReadsOnlyWhatItCuts) {
     DenseTile tile = tile_with_removals(), other = tile;
     tile.sleep();
     other.sleep();
-    ASSERT_TRUE(tile.put_away(*file_));
+    ASSERT_TRUE(tile.spill(*file_));
     ASSERT_TRUE(tile.cut_after(kStart + until * kSecond));
     ASSERT_TRUE(other.cut_after(kStart + until * kSecond));
-    EXPECT_EQ(tile.is_away(), until == 20);
+    EXPECT_EQ(tile.is_spilled(), until == 20);
     EXPECT_EQ(*tile.read(), *other.read());
     EXPECT_EQ(tile.utime(), other.utime());
     EXPECT_EQ(tile.num_points(), other.num_points());
@@ -149,7 +149,7 @@ TEST_F(FarTiles, ATileOfWhichABitIsWrongIsNotReturned) {
   DenseTile tile = tile_with_removals();
   tile.sleep();
   const TileRecords before = *tile.read();
-  ASSERT_TRUE(tile.put_away(*file_));
+  ASSERT_TRUE(tile.spill(*file_));
   file_->flush();
   test::flip_a_bit_of_each_spilled_page();
   EXPECT_EQ(tile.read(), nullptr);
@@ -164,13 +164,13 @@ TEST_F(FarTiles, ATileOfWhichABitIsWrongIsNotReturned) {
 TEST_F(FarTiles, ATileThatTheDiskDoesNotReturnSaysSo) {
   DenseTile tile = tile_with_removals();
   tile.sleep();
-  ASSERT_TRUE(tile.put_away(*file_));
+  ASSERT_TRUE(tile.spill(*file_));
   file_->flush();
   test::truncate_spill_files();
   EXPECT_EQ(tile.read(), nullptr);
   EXPECT_FALSE(tile.cut_after(kStart));
   EXPECT_FALSE(tile.wake());
-  EXPECT_TRUE(tile.is_away());
+  EXPECT_TRUE(tile.is_spilled());
   EXPECT_THROW((void)tile.packed().read(), std::runtime_error);
   EXPECT_EQ(file_->failed_reads(), 4);
 }
@@ -275,7 +275,7 @@ TEST_F(FarTiles, WhatTheDiskDoesNotReturnStaysAsItIsAndIsMappedAnewOnceTheMapHas
   DenseMap map = drive(1200, file_);
   file_->flush();
   test::truncate_spill_files();
-  ASSERT_TRUE(map.tile({0, 0})->is_away());
+  ASSERT_TRUE(map.tile({0, 0})->is_spilled());
   const std::int64_t size = map.size();
   const std::size_t records = map.tile({0, 0})->num_records();
   std::int64_t late = kStart + 5000 * kPeriod;
@@ -285,7 +285,7 @@ TEST_F(FarTiles, WhatTheDiskDoesNotReturnStaysAsItIsAndIsMappedAnewOnceTheMapHas
   look(3);
   EXPECT_GT(file_->failed_reads(), 0);
   EXPECT_LT(file_->failed_reads(), 20) << "not once a point";
-  EXPECT_TRUE(map.tile({0, 0})->is_away());
+  EXPECT_TRUE(map.tile({0, 0})->is_spilled());
   EXPECT_EQ(map.tile({0, 0})->num_records(), records);
   EXPECT_EQ(map.size(), size);
   EXPECT_TRUE(map.take_evicted().empty());
@@ -312,7 +312,7 @@ TEST_F(FarTiles, WhatTheDiskReturnsAfterAllGrowsAgain) {
   test::flip_a_bit_of_each_spilled_page();
   look(64);
   EXPECT_GT(map.tile({0, 0})->num_records(), before);
-  EXPECT_FALSE(map.tile({0, 0})->is_away());
+  EXPECT_FALSE(map.tile({0, 0})->is_spilled());
 }
 
 }  // namespace

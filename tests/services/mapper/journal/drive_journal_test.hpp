@@ -21,7 +21,7 @@ using dense_map::kPeriod;
 using dense_map::kStart;
 using dense_map::patch;
 
-inline constexpr std::size_t kMost = 50'000'000;  // bytes
+inline constexpr std::size_t kMaxBytes = 50'000'000;  // bytes
 
 /// A drive along x at 2 m/s, that sees a patch of ground of `size` m about itself.
 class DriveJournalTest : public ::testing::Test {
@@ -78,7 +78,7 @@ class DriveJournalTest : public ::testing::Test {
     epoch_ = epoch;
     journal_.start_epoch(epoch, std::move(drive));
   }
-  [[nodiscard]] std::optional<RecordedDrive> read() const { return read_journal(file_, kMost, "settings"); }
+  [[nodiscard]] std::optional<RecordedDrive> read() const { return read_journal(file_, kMaxBytes, "settings"); }
 
   void expect_all(const RecordedDrive& drive) const {
     EXPECT_EQ(drive.epoch, 7);
@@ -118,7 +118,7 @@ class DriveJournalTest : public ::testing::Test {
   std::string file_ = folder_ / "state/drive.journal";
   dense_map::DenseMap map_{config::DenseConfig{}};
   pose_graph::Atlas atlas_{config::AtlasConfig{}};
-  DriveJournal journal_{file_, kMost, "settings"};
+  DriveJournal journal_{file_, kMaxBytes, "settings"};
   std::vector<TileKey> changed_;
   std::int32_t epoch_ = 0;
   std::int64_t utime_ = kStart;

@@ -37,11 +37,11 @@ class KilledMapperTest : public ::testing::Test {
     config_.journal = folder_ / "drive.journal";
     bus_.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& m) { poses_.push_back(m); });
     bus_.subscribe<map_trajectory_t>("MAP_TRAJECTORY", [this](const map_trajectory_t& m) { pages_.push_back(m); });
-    sensor_bus_.subscribe<lidar_points_t>(again("LIDAR_POINTS"), [this](const lidar_points_t& m) {
-      if (mapper_bus_) mapper_bus_->publish(again("LIDAR_POINTS"), m);
+    sensor_bus_.subscribe<lidar_points_t>(resent_channel("LIDAR_POINTS"), [this](const lidar_points_t& m) {
+      if (mapper_bus_) mapper_bus_->publish(resent_channel("LIDAR_POINTS"), m);
     });
-    sensor_bus_.subscribe<odometry_t>(again("ODOMETRY"), [this](const odometry_t& m) {
-      if (mapper_bus_) mapper_bus_->publish(again("ODOMETRY"), m);
+    sensor_bus_.subscribe<odometry_t>(resent_channel("ODOMETRY"), [this](const odometry_t& m) {
+      if (mapper_bus_) mapper_bus_->publish(resent_channel("ODOMETRY"), m);
     });
     start_driver();
     start_filter();

@@ -226,14 +226,14 @@ TEST_F(DriveJournalTest, IsReadIntoAFileAndNotIntoMemory) {
   settle();
   const std::optional<RecordedDrive> here = read();
   SpillFile far(folder_.path().string(), 0);
-  std::optional<RecordedDrive> drive = read_journal(file_, kMost, "settings", &far);
+  std::optional<RecordedDrive> drive = read_journal(file_, kMaxBytes, "settings", &far);
   ASSERT_TRUE(here && drive);
   far.flush();
   ASSERT_EQ(drive->tiles.size(), here->tiles.size());
   for (auto& [key, tile] : drive->tiles) {
     EXPECT_TRUE(tile.content.records.empty());
-    EXPECT_TRUE(tile.away.is_in_file());
-    tile.content = tile.away.read();
+    EXPECT_TRUE(tile.spilled.is_in_file());
+    tile.content = tile.spilled.read();
     EXPECT_EQ(tile.content, here->tiles.at(key).content);
   }
   ASSERT_EQ(drive->nodes.size(), here->nodes.size());
@@ -245,7 +245,7 @@ TEST_F(DriveJournalTest, OfAMapperWithOtherSettingsIsRefused) {
   start_epoch(7, {});
   drive(10);
   settle();
-  EXPECT_THROW((void)read_journal(file_, kMost, "other settings"), JournalError);
+  EXPECT_THROW((void)read_journal(file_, kMaxBytes, "other settings"), JournalError);
   EXPECT_THROW((void)read_journal(file_, 1000, "settings"), JournalError) << "larger than allowed";
 }
 

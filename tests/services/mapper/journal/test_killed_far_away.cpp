@@ -31,9 +31,9 @@ class KilledFarAwayTest : public KilledMapperTest {
   }
   [[nodiscard]] int num_away() const {
     const dense_map::DenseMap& map = node_->mapper().grown();
-    int away = 0;
-    for (const TileKey& key : map.keys()) away += map.tile(key)->is_away() ? 1 : 0;
-    return away;
+    int spilled = 0;
+    for (const TileKey& key : map.keys()) spilled += map.tile(key)->is_spilled() ? 1 : 0;
+    return spilled;
   }
 };
 
@@ -51,7 +51,7 @@ TEST_F(KilledFarAwayTest, IsSucceededByOneThatHasAllOfItAndMostOfThatInItsFile) 
   EXPECT_EQ(records(), before);
   EXPECT_GT(num_away(), 70);
   ASSERT_EQ(node_->mapper().atlas().size(), nodes);
-  for (int i = 0; i < nodes; ++i) EXPECT_TRUE(node_->mapper().atlas().node(i).points.is_away());
+  for (int i = 0; i < nodes; ++i) EXPECT_TRUE(node_->mapper().atlas().node(i).points.is_spilled());
   drive(10);
   EXPECT_EQ(counter("resumed"), 1);
   EXPECT_LT(error(), 0.1);

@@ -39,7 +39,7 @@ class MountYawTest : public ::testing::Test {
     mount_.add_faults(faults);
     return faults;
   }
-  [[nodiscard]] int num(MountYaw::Sight sight) const { return seen_[static_cast<std::size_t>(sight)]; }
+  [[nodiscard]] int num(MountYaw::Result sight) const { return seen_[static_cast<std::size_t>(sight)]; }
 
   test::DetectionScans scans_;
   MountYaw mount_{test::default_lidar().translation()};
@@ -50,7 +50,7 @@ class MountYawTest : public ::testing::Test {
 
 TEST_F(MountYawTest, ALidarThatIsFirmIsNeverInDoubt) {
   drive(10, [](double) { return 0; });
-  EXPECT_EQ(num(MountYaw::Sight::kFirm), 200);
+  EXPECT_EQ(num(MountYaw::Result::kStable), 200);
   EXPECT_EQ(mount_.yaw(), 0);
   EXPECT_THAT(faults(), IsEmpty());
 }
@@ -58,15 +58,15 @@ TEST_F(MountYawTest, ALidarThatIsFirmIsNeverInDoubt) {
 TEST_F(MountYawTest, AKnockIsCorrectedAndToldOfUntilTheRestart) {
   drive(5, [](double t) { return t < 2 ? 0 : 5; });
   EXPECT_NEAR(mount_.yaw(), 5 * kDegree, 0.15 * kDegree);
-  EXPECT_EQ(num(MountYaw::Sight::kTurned), 1);
-  EXPECT_LE(num(MountYaw::Sight::kUnsure), 4) << "scans that are not used";
+  EXPECT_EQ(num(MountYaw::Result::kTurned), 1);
+  EXPECT_LE(num(MountYaw::Result::kUncertain), 4) << "scans that are not used";
   EXPECT_THAT(faults(), ElementsAre(HasSubstr("LiDAR: it turned by 5.")));
 }
 
 TEST_F(MountYawTest, PlayIsFollowedEachTime) {
   const auto play = [](double t) { return std::fmod(t, 4) < 2 ? 1.5 : -1.5; };
   drive(15.5, play);
-  EXPECT_EQ(num(MountYaw::Sight::kTurned), 7);
+  EXPECT_EQ(num(MountYaw::Result::kTurned), 7);
   EXPECT_NEAR(mount_.yaw(), -3 * kDegree, 0.3 * kDegree) << "since the start";
   EXPECT_EQ(mount_.counters()["faults.lidar.turned_in_mount"], 7);
 }
@@ -76,18 +76,18 @@ TEST_F(MountYawTest, AShakingLidarIsNotUsedUntilItIsStill) {
   drive(4, [](double t) { return 2 * std::sin(2 * 3.14159265 * 3 * t); });
   EXPECT_TRUE(mount_.shakes());
   EXPECT_THAT(faults(), ::testing::Contains(HasSubstr("shakes in its mount")));
-  const int unused = num(MountYaw::Sight::kUnsure);
+  const int unused = num(MountYaw::Result::kUncertain);
   EXPECT_GT(unused, 60) << "of 80";
   drive(4, [](double) { return 0; });
   EXPECT_FALSE(mount_.shakes());
-  EXPECT_LT(num(MountYaw::Sight::kUnsure), unused + 50);
+  EXPECT_LT(num(MountYaw::Result::kUncertain), unused + 50);
   EXPECT_THAT(faults(), ::testing::Contains(HasSubstr("shook in its mount")));
 }
 
 TEST_F(MountYawTest, WhatTurnsGraduallyAndSpringsBackIsNotTheMount) {  // two lorries, and then none
   drive(5, [](double t) { return t < 2 ? 0 : t < 3.5 ? (t - 2) * 8.6 : 0; });
   EXPECT_EQ(mount_.yaw(), 0);
-  EXPECT_EQ(num(MountYaw::Sight::kTurned), 0);
+  EXPECT_EQ(num(MountYaw::Result::kTurned), 0);
 }
 
 TEST_F(MountYawTest, AGyroThatGoesWrongIsNotTheMount) {
@@ -96,7 +96,7 @@ TEST_F(MountYawTest, AGyroThatGoesWrongIsNotTheMount) {
   drive(5, [](double t) { return (t - 2) * 20; });  // 20 deg/s that odometry does not tell of
   EXPECT_EQ(mount_.yaw(), 0);
   EXPECT_FALSE(mount_.shakes());
-  EXPECT_LE(num(MountYaw::Sight::kUnsure), 12) << "then its scans are used again";
+  EXPECT_LE(num(MountYaw::Result::kUncertain), 12) << "then its scans are used again";
 }
 
 TEST_F(MountYawTest, AGapInTheScansIsNotComparedOver) {
@@ -104,7 +104,7 @@ TEST_F(MountYawTest, AGapInTheScansIsNotComparedOver) {
   t_ += 1;
   drive(2, [](double) { return 6; });
   EXPECT_EQ(mount_.yaw(), 0);
-  EXPECT_EQ(num(MountYaw::Sight::kFirm), 80);
+  EXPECT_EQ(num(MountYaw::Result::kStable), 80);
 }
 
 }  // namespace

@@ -144,13 +144,13 @@ TEST_F(AnAtlas, ScansOfAllButTheNewestNodesLieInAFile) {
     atlas.visit(1, at(x, 0), surroundings());
     atlas_.visit(1, at(x, 0), surroundings());
   }
-  int away = 0;
+  int spilled = 0;
   ASSERT_EQ(atlas.size(), atlas_.size());
   for (int id = 0; id < atlas.size(); ++id) {
-    away += atlas.node(id).points.is_away() ? 1 : 0;
+    spilled += atlas.node(id).points.is_spilled() ? 1 : 0;
     EXPECT_EQ(atlas.node(id).points, atlas_.node(id).points);
   }
-  EXPECT_EQ(away, atlas.size() - 20);
+  EXPECT_EQ(spilled, atlas.size() - 20);
   file->flush();
   EXPECT_EQ(file->bytes_in_memory(), 0U);
   EXPECT_GT(file->bytes_in_file(), 0U);

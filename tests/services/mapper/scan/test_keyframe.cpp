@@ -23,16 +23,16 @@ TEST(KeyframePoints, AreTheSameWhileTheyAreAway) {
   SpillFile file(folder.path().string(), 0);
   KeyframePoints points = scan_points();
   const KeyframePoints copy = points;
-  points.put_away(file);
-  points.put_away(file);
+  points.spill(file);
+  points.spill(file);
   file.flush();
-  EXPECT_TRUE(points.is_away());
-  EXPECT_FALSE(copy.is_away());
+  EXPECT_TRUE(points.is_spilled());
+  EXPECT_FALSE(copy.is_spilled());
   EXPECT_EQ(points.size(), 3002U);
   EXPECT_FALSE(points.empty());
   EXPECT_EQ(*points.read(), scan_points());
   EXPECT_EQ(points, copy);
-  EXPECT_FALSE(points.in_memory().is_away());
+  EXPECT_FALSE(points.in_memory().is_spilled());
   EXPECT_EQ(points.in_memory(), copy);
   const std::size_t once = file.bytes_in_file();
   EXPECT_GT(once, 0U);
@@ -46,7 +46,7 @@ TEST(KeyframePoints, ThatTheDiskDoesNotReturnAreNone) {
   const test::TemporaryFolder folder;
   SpillFile file(folder.path().string(), 0);
   KeyframePoints points = scan_points();
-  points.put_away(file);
+  points.spill(file);
   file.flush();
   test::truncate_spill_files();
   EXPECT_TRUE(points.read()->empty());
@@ -58,8 +58,8 @@ TEST(KeyframePoints, ThatTheDiskDoesNotReturnAreNone) {
 TEST(KeyframePoints, OfNothingAreNotPutAway) {
   SpillFile file;
   KeyframePoints points;
-  points.put_away(file);
-  EXPECT_FALSE(points.is_away());
+  points.spill(file);
+  EXPECT_FALSE(points.is_spilled());
   EXPECT_EQ(file.bytes_in_memory(), 0U);
 }
 

@@ -36,7 +36,7 @@ class OdometryResendTest : public ::testing::Test {
       ++requests_;
       if (filter_answers_) keeper_.request(m);
     });
-    bus_.subscribe<odometry_t>(again("ODOMETRY"), [this](const odometry_t& m) { resend_.hear_again(m); });
+    bus_.subscribe<odometry_t>(resent_channel("ODOMETRY"), [this](const odometry_t& m) { resend_.hear_again(m); });
   }
   void send(int from, int to, bool are_heard = true) {
     for (int i = from; i < to; ++i) {

@@ -35,7 +35,7 @@ class PacketIntakeTest : public ::testing::Test {
       requests_.push_back(m);
       if (driver_answers_) keeper_.request(m);
     });
-    bus_.subscribe<lidar_points_t>(again("LIDAR_POINTS"), [this](const lidar_points_t& m) {
+    bus_.subscribe<lidar_points_t>(resent_channel("LIDAR_POINTS"), [this](const lidar_points_t& m) {
       if (again_is_lost_-- > 0) return;
       intake_.hear_again(m, hand_on_);
     });
@@ -240,6 +240,25 @@ TEST_F(PacketIntakeTest, AnyNumbersAndStampsAreSurvived) {
   }
   intake_.release(hand_on_);
   EXPECT_GT(handed_on_.size(), 5000U);
+}
+
+TEST_F(PacketIntakeTest, ADriverThatRestartsAtOnceIsNoSecondLidar) {
+  for (const std::int32_t pause : {1, 5, 20, 36}) {  // packets
+    PacketIntake intake(bus_, "mapper", "LIDAR_POINTS");
+    int passed = 0;
+    const auto count = [&](const lidar_points_t&) { ++passed; };
+    for (std::int32_t i = 0; i < 2'000; ++i) {
+      if (i >= 1'000 && i < 1'000 + pause) continue;
+      lidar_points_t m = packet(i);
+      if (i >= 1'000) m.packet -= 1'000 + pause;
+      intake.hear(m, count);
+      if (i % 15 == 0) intake.tick(kStart + i * kStep, count);
+      std::vector<std::string> faults;
+      intake.add_faults(faults);
+      EXPECT_THAT(faults, SizeIs(0)) << i;
+    }
+    EXPECT_GE(passed, 2'000 - 1 - PacketIntake::kRestart / kStep) << pause;
+  }
 }
 
 TEST_F(PacketIntakeTest, OfTwoLidarsOnOneChannelOneIsHandedOnAndBothAreNamed) {

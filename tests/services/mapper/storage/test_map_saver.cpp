@@ -30,7 +30,7 @@ class AFarMapIsSaved : public ::testing::Test {
     config::DenseConfig config;
     config.awake = 0;
     config.asleep_here = 0;
-    dense_ = std::make_unique<dense_map::DenseMap>(config, far_);
+    dense_ = std::make_unique<dense_map::DenseMap>(config, spill_file_);
   }
   /// Along x, a keyframe each metre.
   void drive(int from, int to) {
@@ -42,7 +42,7 @@ class AFarMapIsSaved : public ::testing::Test {
         (void)dense_->insert(points, T_map_base, utime_);
       }
     }
-    far_->flush();
+    spill_file_->flush();
   }
   /// A place that was left long ago gets something new, and is left again.
   void come_back_to(double x) {
@@ -50,7 +50,7 @@ class AFarMapIsSaved : public ::testing::Test {
       (void)dense_->insert(patch(1.5, 1.5, 0.01), Pose(Eigen::Translation3d(x, 0, 0)), utime_ += kPeriod);
     for (int i = 0; i < 70; ++i)
       (void)dense_->insert(patch(0.5, 0, 0.01), Pose(Eigen::Translation3d(2000, 0, 0)), utime_ += kPeriod);
-    far_->flush();
+    spill_file_->flush();
   }
   [[nodiscard]] MapSnapshot snapshot(const MapVersions& on_disk = {}) const {
     return take_snapshot(*dense_, atlas_, 0.05, 7, on_disk);
@@ -63,15 +63,15 @@ class AFarMapIsSaved : public ::testing::Test {
   [[nodiscard]] SavedMap all() const {
     SavedMap map = snapshot().map;
     for (SavedTile& tile : map.tiles) {
-      if (!tile.away.empty()) tile.points = std::exchange(tile.away, {}).read().points();
+      if (!tile.spilled.empty()) tile.points = std::exchange(tile.spilled, {}).read().points();
     }
     return map;
   }
 
   test::TemporaryFolder folder_;
-  std::shared_ptr<SpillFile> far_ = std::make_shared<SpillFile>(folder_.path().string(), 0);
+  std::shared_ptr<SpillFile> spill_file_ = std::make_shared<SpillFile>(folder_.path().string(), 0);
   std::unique_ptr<dense_map::DenseMap> dense_;
-  pose_graph::Atlas atlas_{config::AtlasConfig{}, far_};
+  pose_graph::Atlas atlas_{config::AtlasConfig{}, spill_file_};
   MapSaver saver_{folder_ / "map"};
   std::int64_t utime_ = kStart;
 };
@@ -133,8 +133,8 @@ TEST_F(AFarMapIsSaved, InANewEpochKeepsNothingOfTheOneBefore) {
   save();
   test::flip_a_bit_of_each_spilled_page();
   MapSnapshot moved = take_snapshot(*dense_, atlas_, 0.05, 8, saver_.on_disk());
-  const auto is_away = [](const SavedTile& tile) { return !tile.away.empty(); };
-  const auto lost = std::count_if(moved.map.tiles.begin(), moved.map.tiles.end(), is_away);
+  const auto is_spilled = [](const SavedTile& tile) { return !tile.spilled.empty(); };
+  const auto lost = std::count_if(moved.map.tiles.begin(), moved.map.tiles.end(), is_spilled);
   const auto all_tiles = static_cast<std::ptrdiff_t>(moved.map.tiles.size());
   saver_.begin(std::move(moved));
   saver_.finish();

@@ -10,8 +10,8 @@ using registration::Matrix6;
 /// A fit that is believed, until a test spoils it.
 Fit good_fit() {
   Fit fit;
-  fit.expected.with_odometry = true;
-  fit.expected.covariance = 1e-4 * Matrix6::Identity();
+  fit.prediction.with_odometry = true;
+  fit.prediction.covariance = 1e-4 * Matrix6::Identity();
   fit.result.converged = true;
   fit.result.overlap = 0.9;
   fit.result.inlier_ratio = 0.95;
@@ -62,7 +62,7 @@ TEST(Acceptance, AJumpIsBelievedAsFarAsOdometryAndDriftAllow) {
   EXPECT_EQ(why(fit, Certainty::kFollowed, 0.01 * Matrix6::Identity()), "") << "it may have drifted by 3 x 10 cm";
   fit.result.T_map_base.translation().x() = 0.4;
   EXPECT_EQ(why(fit), "");
-  fit.expected.with_odometry = false;
+  fit.prediction.with_odometry = false;
   EXPECT_EQ(why(fit), "refused.jump");
 }
 

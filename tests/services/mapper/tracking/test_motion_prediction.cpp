@@ -1,4 +1,4 @@
-#include "services/mapper/tracking/motion_expectation.hpp"
+#include "services/mapper/tracking/motion_prediction.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,9 +15,9 @@ scan::Scan at(double end) {
   return scan;
 }
 
-TEST(MotionExpectation, ADriveMayBeginAtAnySpeedAndMostLikelyStands) {
+TEST(MotionPrediction, ADriveMayBeginAtAnySpeedAndMostLikelyStands) {
   for (const double stride : {0.05, 0.1, 0.2}) {
-    const std::vector<scan::Twist> motions = first_motions(30, stride);
+    const std::vector<scan::Twist> motions = initial_motion_hypotheses(30, stride);
     EXPECT_EQ(motions.front().linear.norm(), 0);
     for (double speed = -3; speed <= 30 && speed * stride <= 5; speed += 0.5) {
       const bool near = std::any_of(motions.begin(), motions.end(), [&](const scan::Twist& motion) {
@@ -28,19 +28,21 @@ TEST(MotionExpectation, ADriveMayBeginAtAnySpeedAndMostLikelyStands) {
   }
 }
 
-TEST(MotionExpectation, NothingFasterThanAVehicleIsSought) {
-  EXPECT_EQ(first_motions(40, 0.001).size(), 1U);  // two scans that end at all but the same moment
-  for (const scan::Twist& motion : first_motions(30, 0.1)) EXPECT_LT(motion.linear.norm(), 30 + 3.6);
+TEST(MotionPrediction, NothingFasterThanAVehicleIsSought) {
+  EXPECT_EQ(initial_motion_hypotheses(40, 0.001).size(), 1U);  // two scans that end at all but the same moment
+  for (const scan::Twist& motion : initial_motion_hypotheses(30, 0.1)) EXPECT_LT(motion.linear.norm(), 30 + 3.6);
 }
 
-TEST(MotionExpectation, AfterAGapTheVehicleHasGoneOnButNotForEver) {
+TEST(MotionPrediction, AfterAGapTheVehicleHasGoneOnButNotForEver) {
   const RecentMotion recent{at(10).end, {{8, 0, 0}, {0, 0, 0}}, 0.1};
-  const auto ahead = [&](double end) { return expect_steady(recent, at(end)).T_last_base.translation().x(); };
+  const auto ahead = [&](double end) {
+    return predict_constant_velocity(recent, at(end)).T_last_base.translation().x();
+  };
   EXPECT_NEAR(ahead(10.1), 0.8, 1e-9);
   EXPECT_NEAR(ahead(11.5), 12, 1e-9);
   EXPECT_NEAR(ahead(20), 0.8, 1e-9);
-  EXPECT_FALSE(expect_steady(recent, at(10.1)).blind);
-  EXPECT_TRUE(expect_steady(recent, at(11.5)).blind);
+  EXPECT_FALSE(predict_constant_velocity(recent, at(10.1)).blind);
+  EXPECT_TRUE(predict_constant_velocity(recent, at(11.5)).blind);
 }
 
 }  // namespace

@@ -19,14 +19,14 @@ namespace curbstone::mapper::detection {
 
 /// Checks the sensors by the revolutions. Points known to be wrong are removed from a revolution before any other use;
 /// without a fault every point is kept.
-class SensorWatch {
+class SensorMonitor {
  public:
-  explicit SensorWatch(const VehicleConfig& vehicle) : mounting_(vehicle), ground_(vehicle.T_base_lidar()) {}
+  explicit SensorMonitor(const VehicleConfig& vehicle) : mounting_(vehicle), ground_(vehicle.T_base_lidar()) {}
 
   /// Takes the next revolution, in lidar, and removes wrong points.
   void clean(scan::Scan& scan);
   /// Reports that the revolution fitted the map.
-  void add(const mounting::FittedScan& scan);
+  void add(const mounting::RegisteredScan& scan);
   /// Reports that the revolution did not fit, or that the map was rearranged.
   void interrupt();
   /// Takes the poses of the next revolution by registration, accepted or not, and by odometry.

@@ -1,4 +1,4 @@
-#include "services/mapper/detection/sensor_watch.hpp"
+#include "services/mapper/detection/sensor_monitor.hpp"
 
 #include <gmock/gmock.h>
 
@@ -19,13 +19,13 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-std::vector<std::string> faults_of(const SensorWatch& watch) {
+std::vector<std::string> faults_of(const SensorMonitor& monitor) {
   std::vector<std::string> faults;
-  watch.add_faults(faults);
+  monitor.add_faults(faults);
   return faults;
 }
 
-TEST(SensorWatch, ALaserThatIsWrongWhileTheVehicleStandsNeverReachesTheDrivesMap) {
+TEST(SensorMonitor, ALaserThatIsWrongWhileTheVehicleStandsNeverReachesTheDrivesMap) {
   LocalBus bus;
   MapperNode node({}, bus);
   node.connect(bus);
@@ -44,7 +44,7 @@ TEST(SensorWatch, ALaserThatIsWrongWhileTheVehicleStandsNeverReachesTheDrivesMap
   EXPECT_GT(node.report().counters["withheld.laser"], 0);
 }
 
-TEST(SensorWatch, AStandingVehicleThatSeesNoGroundIsAFaultOfTheMapper) {
+TEST(SensorMonitor, AStandingVehicleThatSeesNoGroundIsAFaultOfTheMapper) {
   for (const bool sees : {true, false}) {
     LocalBus bus;
     MapperNode node({}, bus);
@@ -69,14 +69,14 @@ TEST(SensorWatch, AStandingVehicleThatSeesNoGroundIsAFaultOfTheMapper) {
 }
 
 /// Indoors, by a real device that stands: whatever is about it.
-TEST(SensorWatch, NothingIsWrongWithARecordedLidar) {
+TEST(SensorMonitor, NothingIsWrongWithARecordedLidar) {
   const std::string file = test::data_path("rs16/rs16_washing_house.pcap");
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not there";
   lidar::Bench bench;
   for (const lidar::RecordedPacket& packet : lidar::recording(file))
     bench.send(packet.bytes, packet.received, packet.port);
   bench.finish();
-  SensorWatch watch{VehicleConfig{}};
+  SensorMonitor monitor{VehicleConfig{}};
   scan::ScanAssembler assembler;
   int scans = 0;
   for (int turn = 0; turn < 3; ++turn) {
@@ -87,13 +87,13 @@ TEST(SensorWatch, NothingIsWrongWithARecordedLidar) {
       std::optional<scan::Scan> scan = assembler.add(m);
       if (!scan) continue;
       const std::size_t points = scan->points.size();
-      watch.clean(*scan);
+      monitor.clean(*scan);
       ASSERT_EQ(scan->points.size(), points);
       ++scans;
     }
   }
   EXPECT_GT(scans, 100);
-  EXPECT_THAT(faults_of(watch), IsEmpty());
+  EXPECT_THAT(faults_of(monitor), IsEmpty());
 }
 
 }  // namespace

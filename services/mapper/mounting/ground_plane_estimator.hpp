@@ -21,16 +21,16 @@ struct GroundPlane {
 /// in, ahead and behind. Other vehicles, kerbs, crests and dips pass; a mounting error of the LiDAR persists. The
 /// caller leaves out revolutions during which the vehicle stands, brakes or leans in a bend.
 ///
-/// Keeps kLeast to about 2 kLeast revolutions. A function of the calls to look(). Pure; one thread.
-class GroundBelow {
+/// Keeps kMinRevolutions to about 2 kMinRevolutions revolutions. A function of the calls to add(). Pure; one thread.
+class GroundPlaneEstimator {
  public:
-  static constexpr int kLeast = 60;  ///< revolutions before there is a result
+  static constexpr int kMinRevolutions = 60;  ///< revolutions before there is a result
 
-  GroundBelow() : cells_(kColumns * kRows) {}
+  GroundPlaneEstimator() : cells_(kColumns * kRows) {}
   /// `points`: a revolution, in base_link.
-  void look(const std::vector<scan::LidarPoint>& points);
-  [[nodiscard]] int looks() const { return looks_; }
-  /// None before kLeast revolutions, or if too little ground was visible.
+  void add(const std::vector<scan::LidarPoint>& points);
+  [[nodiscard]] int num_revolutions() const { return num_revolutions_; }
+  /// None before kMinRevolutions revolutions, or if too little ground was visible.
   [[nodiscard]] std::optional<GroundPlane> plane() const;
 
  private:
@@ -44,7 +44,7 @@ class GroundBelow {
     void halve();
   };
   std::vector<Cell> cells_;
-  int looks_ = 0;
+  int num_revolutions_ = 0;
 };
 
 }  // namespace curbstone::mapper::mounting

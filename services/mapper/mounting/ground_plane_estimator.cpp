@@ -1,4 +1,4 @@
-#include "services/mapper/mounting/ground_below.hpp"
+#include "services/mapper/mounting/ground_plane_estimator.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,16 +9,16 @@
 namespace curbstone::mapper::mounting {
 namespace {
 
-constexpr float kCellLength = 1.0F;  // m
-constexpr float kCellWidth = 0.5F;   // m
-constexpr float kAhead = 12.0F;      // m ahead, and as far behind
-constexpr float kAside = 2.0F;       // m to either side
-constexpr float kBin = 0.02F;        // m
-constexpr float kLowest = -1.5F;     // m
-constexpr std::size_t kLeastCells = 12;
-constexpr double kLeastInliers = 0.6;  // share of the cells
-constexpr double kWide = 0.15;         // m: points this far off the plane get a small weight in the first iterations,
-constexpr double kNarrow = 0.03;       // and in the last ones only points this near count
+constexpr float kCellLength = 1.0F;   // m
+constexpr float kCellWidth = 0.5F;    // m
+constexpr float kHalfLength = 12.0F;  // m ahead, and as far behind
+constexpr float kHalfWidth = 2.0F;    // m to either side
+constexpr float kBin = 0.02F;         // m
+constexpr float kLowest = -1.5F;      // m
+constexpr std::size_t kMinCells = 12;
+constexpr double kMinInliers = 0.6;    // share of the cells
+constexpr double kCoarseScale = 0.15;  // m: points this far off the plane get a small weight in the first iterations,
+constexpr double kFineScale = 0.03;    // and in the last ones only points this near count
 constexpr std::array kSlopes = {-0.1, -0.05, 0.0, 0.05, 0.1};  // initial slopes of the search
 constexpr double kSpreadAlong = 2.0;   // m, RMS of the cells' positions: below it the slope is not observable
 constexpr double kSpreadAcross = 0.5;  // m
@@ -41,7 +41,7 @@ std::optional<Fit> fit_from(const std::vector<Height>& heights, double along, do
   std::vector<double> offs;
   for (const Height& height : heights) offs.push_back(height.z - fit.plane.dot(height.place));
   fit.plane[0] = quantile_in_place(offs, 0.5);
-  for (double reach = kWide;; reach = std::max(0.8 * reach, kNarrow)) {
+  for (double reach = kCoarseScale;; reach = std::max(0.8 * reach, kFineScale)) {
     fit.H.setZero();
     fit.agreement = fit.inliers = 0;
     Eigen::Vector3d b = Eigen::Vector3d::Zero();
@@ -57,13 +57,13 @@ std::optional<Fit> fit_from(const std::vector<Height>& heights, double along, do
     const Ldlt<3> solver(fit.H);
     if (!(solver.least_pivot() > 1e-6)) return std::nullopt;
     fit.plane = solver.solve(b);
-    if (reach <= kNarrow) return fit;
+    if (reach <= kFineScale) return fit;
   }
 }
 
 }  // namespace
 
-double GroundBelow::Cell::median() const {
+double GroundPlaneEstimator::Cell::median() const {
   int below = 0;
   std::size_t bin = 0;
   while (bin + 1 < heights.size() && below + heights[bin] <= count / 2) below += heights[bin++];
@@ -72,7 +72,7 @@ double GroundBelow::Cell::median() const {
   return static_cast<double>(kLowest) + static_cast<double>(kBin) * (static_cast<double>(bin) + share);
 }
 
-void GroundBelow::Cell::halve() {
+void GroundPlaneEstimator::Cell::halve() {
   count = 0;
   for (std::uint16_t& height : heights) {
     height = static_cast<std::uint16_t>(height / 2);
@@ -80,12 +80,12 @@ void GroundBelow::Cell::halve() {
   }
 }
 
-void GroundBelow::look(const std::vector<scan::LidarPoint>& points) {
+void GroundPlaneEstimator::add(const std::vector<scan::LidarPoint>& points) {
   std::vector<std::vector<double>> seen(cells_.size());
   for (const scan::LidarPoint& point : points) {
     const Eigen::Vector3f& p = point.position;
-    const float column = std::floor((p.x() + kAhead) / kCellLength);
-    const float row = std::floor((p.y() + kAside) / kCellWidth);
+    const float column = std::floor((p.x() + kHalfLength) / kCellLength);
+    const float row = std::floor((p.y() + kHalfWidth) / kCellWidth);
     const bool inside = column >= 0 && column < kColumns && row >= 0 && row < kRows;
     if (!inside || !(p.z() >= kLowest && p.z() < kLowest + kBin * kBins)) continue;
     seen[static_cast<std::size_t>(column) * kRows + static_cast<std::size_t>(row)].push_back(p.z());
@@ -97,24 +97,24 @@ void GroundBelow::look(const std::vector<scan::LidarPoint>& points) {
     ++cells_[i].heights[static_cast<std::size_t>(std::clamp(bin, 0, kBins - 1))];
     ++cells_[i].count;
   }
-  if (++looks_ < 2 * kLeast) return;
-  looks_ /= 2;
+  if (++num_revolutions_ < 2 * kMinRevolutions) return;
+  num_revolutions_ /= 2;
   for (Cell& cell : cells_) cell.halve();
 }
 
-std::optional<GroundPlane> GroundBelow::plane() const {
-  if (looks_ < kLeast) return std::nullopt;
+std::optional<GroundPlane> GroundPlaneEstimator::plane() const {
+  if (num_revolutions_ < kMinRevolutions) return std::nullopt;
   std::vector<Height> heights;
   for (int column = 0; column < kColumns; ++column) {
     for (int row = 0; row < kRows; ++row) {
       const Cell& cell = cells_[static_cast<std::size_t>(column * kRows + row)];
-      if (cell.count < looks_ / 4) continue;
-      heights.push_back({{1.0, static_cast<double>(kCellLength) * (column + 0.5) - static_cast<double>(kAhead),
-                          static_cast<double>(kCellWidth) * (row + 0.5) - static_cast<double>(kAside)},
+      if (cell.count < num_revolutions_ / 4) continue;
+      heights.push_back({{1.0, static_cast<double>(kCellLength) * (column + 0.5) - static_cast<double>(kHalfLength),
+                          static_cast<double>(kCellWidth) * (row + 0.5) - static_cast<double>(kHalfWidth)},
                          cell.median()});
     }
   }
-  if (heights.size() < kLeastCells) return std::nullopt;
+  if (heights.size() < kMinCells) return std::nullopt;
   std::optional<Fit> best;
   for (const double along : kSlopes) {
     for (const double across : kSlopes) {
@@ -122,7 +122,7 @@ std::optional<GroundPlane> GroundBelow::plane() const {
       if (fit && (!best || fit->agreement > best->agreement)) best = fit;
     }
   }
-  if (!best || best->inliers < kLeastInliers * static_cast<double>(heights.size())) return std::nullopt;
+  if (!best || best->inliers < kMinInliers * static_cast<double>(heights.size())) return std::nullopt;
   const Eigen::Matrix3d& H = best->H;
   const double x = H(0, 1) / H(0, 0), y = H(0, 2) / H(0, 0);
   if (H(1, 1) / H(0, 0) - x * x < kSpreadAlong * kSpreadAlong) return std::nullopt;

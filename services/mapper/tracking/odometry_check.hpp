@@ -11,18 +11,18 @@
 
 namespace curbstone::mapper::tracking {
 
-/// Compares the way by odometry with the way by two scans alone (PairMotion), in distance and direction. Registration
-/// to the map does not show a difference: it begins at the pose that odometry predicts, and stays there on a street
-/// that looks the same for metres, or once the vehicle is beyond its reach of a few decimetres.
+/// Compares the way by odometry with the way by two scans alone (ScanToScanMotion), in distance and direction.
+/// Registration to the map does not show a difference: it begins at the pose that odometry predicts, and stays there on
+/// a street that looks the same for metres, or once the vehicle is beyond its reach of a few decimetres.
 ///
-/// kLeast pairs in a row that differ are a fault, until as many agree. If they agree on a direction that is not
+/// kMinPairs pairs in a row that differ are a fault, until as many agree. If they agree on a direction that is not
 /// odometry's, the LiDAR's yaw is wrong. Otherwise the LiDAR is believed, and odometry denied, if by the LiDAR the
 /// vehicle moves as it did when both last agreed: then the LiDAR does not follow a lorry beside the vehicle. Pairs that
 /// agree with odometry's way as well as with their own are ignored. A value; pure. Counters: faults.odometry.way,
 /// faults.lidar.aside (times that it began).
-class WayCheck {
+class OdometryCheck {
  public:
-  static constexpr std::size_t kLeast = 3;  ///< pairs in a row
+  static constexpr std::size_t kMinPairs = 3;  ///< pairs in a row
 
   /// Two scans a short time apart.
   struct Pair {
@@ -37,16 +37,16 @@ class WayCheck {
   void add(const Pair& pair);
 
   /// Odometry's way differs from the LiDAR's, and not by a constant direction.
-  [[nodiscard]] bool apart() const { return state_ == State::kDistance; }
+  [[nodiscard]] bool disagrees() const { return state_ == State::kDistance; }
   /// apart(), and the LiDAR is believed.
-  [[nodiscard]] bool denied() const { return apart() && goes_on_; }
+  [[nodiscard]] bool rejects_odometry() const { return disagrees() && is_continuous_; }
   /// rad by which the LiDAR's way points to the left of odometry's; nothing if the direction is not the fault.
-  [[nodiscard]] std::optional<double> aside() const;
+  [[nodiscard]] std::optional<double> heading_offset() const;
   /// The last pair differed, and there is no fault yet: the next pair should come soon.
-  [[nodiscard]] bool in_doubt() const { return !others_.empty() && state_ == State::kGood; }
+  [[nodiscard]] bool is_suspect() const { return !differing_.empty() && state_ == State::kGood; }
   /// No pair of a moving vehicle has agreed with odometry yet.
   [[nodiscard]] bool is_new() const { return is_new_; }
-  [[nodiscard]] bool good() const { return others_.empty() && state_ == State::kGood; }
+  [[nodiscard]] bool agrees() const { return differing_.empty() && state_ == State::kGood; }
   /// Appends the fault in words. `yaw`: rad, of vehicle.lidar.
   void add_faults(std::vector<std::string>& faults, double yaw) const;
   [[nodiscard]] const Counters& counters() const { return counters_; }
@@ -56,13 +56,13 @@ class WayCheck {
   void decide();
 
   State state_ = State::kGood;
-  std::deque<Pair> others_;                        // pairs in a row that differ, up to kLeast
-  std::size_t same_ = 0;                           // pairs in a row that agree
-  Pair last_;                                      // the last pair that differed
-  Eigen::Vector2d was_ = Eigen::Vector2d::Zero();  // m/s by the scans, when both last agreed
-  bool goes_on_ = false;
+  std::deque<Pair> differing_;                                 // pairs in a row that differ, up to kMinPairs
+  std::size_t num_agreeing_ = 0;                               // pairs in a row that agree
+  Pair last_;                                                  // the last pair that differed
+  Eigen::Vector2d agreed_velocity_ = Eigen::Vector2d::Zero();  // m/s by the scans, when both last agreed
+  bool is_continuous_ = false;
   bool is_new_ = true;
-  double aside_ = 0;
+  double heading_offset_ = 0;
   Counters counters_;
 };
 

@@ -9,9 +9,10 @@
 
 namespace curbstone::mapper::mounting {
 
-/// The median of at least `least` values, if their middle half spans at most 2 `spread`; otherwise none.
-[[nodiscard]] inline std::optional<double> agreed(std::vector<double> values, double spread, std::size_t least) {
-  if (values.size() < least) return std::nullopt;
+/// The median of at least `min_count` values, if their middle half spans at most 2 `spread`; otherwise none.
+[[nodiscard]] inline std::optional<double> consistent_median(std::vector<double> values, double spread,
+                                                             std::size_t min_count) {
+  if (values.size() < min_count) return std::nullopt;
   if (quantile_in_place(values, 0.75) - quantile_in_place(values, 0.25) > 2 * spread) return std::nullopt;
   return quantile_in_place(values, 0.5);
 }

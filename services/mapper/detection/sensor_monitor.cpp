@@ -1,8 +1,8 @@
-#include "services/mapper/detection/sensor_watch.hpp"
+#include "services/mapper/detection/sensor_monitor.hpp"
 
 namespace curbstone::mapper::detection {
 
-void SensorWatch::clean(scan::Scan& scan) {
+void SensorMonitor::clean(scan::Scan& scan) {
   const bool moved = (position_ - looked_).norm() >= returns::LaserElevations::kStep;
   if (moved) looked_ = position_;
   if (moved) sectors_.look(scan);
@@ -12,7 +12,7 @@ void SensorWatch::clean(scan::Scan& scan) {
   if (lasers_.any_wrong()) lasers_.withhold(scan);
 }
 
-void SensorWatch::add(const mounting::FittedScan& scan) {
+void SensorMonitor::add(const mounting::RegisteredScan& scan) {
   position_ = scan.T_map_base.translation();
   mounting_.add(scan);
   if (!scan.T_odom_base) {
@@ -24,17 +24,17 @@ void SensorWatch::add(const mounting::FittedScan& scan) {
   lean_.add(scan.utime, scan.T_map_base, *scan.T_odom_base);
 }
 
-void SensorWatch::interrupt() {
+void SensorMonitor::interrupt() {
   mounting_.interrupt();
   turns_.interrupt();
   lean_.interrupt();
 }
 
-void SensorWatch::compare(std::int64_t utime, const Pose& T_map_base_by_scan, const Pose& T_odom_base) {
+void SensorMonitor::compare(std::int64_t utime, const Pose& T_map_base_by_scan, const Pose& T_odom_base) {
   lag_.add(utime, T_map_base_by_scan, T_odom_base);
 }
 
-void SensorWatch::add_faults(std::vector<std::string>& faults) const {
+void SensorMonitor::add_faults(std::vector<std::string>& faults) const {
   lasers_.add_faults(faults);
   strays_.add_faults(faults);
   mounting_.add_faults(faults);
@@ -45,7 +45,7 @@ void SensorWatch::add_faults(std::vector<std::string>& faults) const {
   ground_.add_faults(faults);
 }
 
-void SensorWatch::add_counters(Counters& counters) const {
+void SensorMonitor::add_counters(Counters& counters) const {
   for (const Counters* part : {&strays_.counters(), &lasers_.counters(), &mounting_.counters(), &turns_.counters(),
                                &lean_.counters(), &lag_.counters(), &sectors_.counters(), &ground_.counters()}) {
     for (const auto& [name, value] : part->values()) counters.add(name, value);
