@@ -38,11 +38,12 @@ Driven driven(const std::function<void(base::ImuSample&)>& spoil) {
   return {report.faults, report.counters, odometry.size(), found};
 }
 
-TEST(WrongImu, AnAccelerometerInGIsNotUsed) {
-  const Driven g = driven([](base::ImuSample& sample) { sample.acceleration /= 9.80665; });
+TEST(WrongImu, AnAccelerometerInGIsNotUsedAndTheWheelsStartOdometry) {
+  Driven g = driven([](base::ImuSample& sample) { sample.acceleration /= 9.80665; });
   EXPECT_THAT(g.faults, Contains(HasSubstr("its mean acceleration is 1.00 m/s^2, which is not gravity")));
   EXPECT_GT(g.counters["refused.gravity.imu"], 13'000);
-  EXPECT_EQ(g.published, 0);
+  EXPECT_EQ(g.counters["starts.without_imu"], 1);
+  EXPECT_GT(g.published, 10'000U);
 }
 
 TEST(WrongImu, AGyroInDegreesIsNotUsed) {
