@@ -50,25 +50,25 @@ MapperNode::MapperNode(const config::MapperConfig& config, Publisher& bus)
 void MapperNode::connect(Subscriber& bus) {
   // 750 packets per second: two seconds of packets may wait while a scan is registered.
   bus.subscribe<lidar_points_t>("LIDAR_POINTS", [this](const lidar_points_t& m) { on(m); }, {1500});
-  bus.subscribe<lidar_points_t>(resent_channel("LIDAR_POINTS"), [this](const lidar_points_t& m) { on_again(m); },
+  bus.subscribe<lidar_points_t>(resent_channel("LIDAR_POINTS"), [this](const lidar_points_t& m) { on_resent(m); },
                                 {3000});
   bus.subscribe<odometry_t>("ODOMETRY", [this](const odometry_t& m) { on(m); }, {800});
-  bus.subscribe<odometry_t>(resent_channel("ODOMETRY"), [this](const odometry_t& m) { on_again(m); }, {3000});
+  bus.subscribe<odometry_t>(resent_channel("ODOMETRY"), [this](const odometry_t& m) { on_resent(m); }, {3000});
   bus.subscribe<tile_request_t>("TILE_REQUEST", [this](const tile_request_t& m) { on(m); }, {100});
 }
 
 void MapperNode::on(const lidar_points_t& message) {
-  packets_.hear(message, [this](const lidar_points_t& packet) { assemble(packet); });
+  packets_.add(message, [this](const lidar_points_t& packet) { assemble(packet); });
   process_due(false);
 }
 
-void MapperNode::on_again(const lidar_points_t& message) {
-  packets_.hear_again(message, [this](const lidar_points_t& packet) { assemble(packet); });
+void MapperNode::on_resent(const lidar_points_t& message) {
+  packets_.add_resent(message, [this](const lidar_points_t& packet) { assemble(packet); });
   process_due(false);
 }
 
-void MapperNode::on_again(const odometry_t& message) {
-  odometry_resend_.hear_again(message);
+void MapperNode::on_resent(const odometry_t& message) {
+  odometry_resend_.add_resent(message);
   process_due(false);
 }
 
@@ -110,7 +110,7 @@ void MapperNode::queue(std::optional<scan::Scan> scan) {
 }
 
 bool MapperNode::due(const Pending& pending) {
-  if (odometry_.reaches(pending.scan.end)) return !odometry_resend_.is_waited_for(pending.scan);
+  if (odometry_.reaches(pending.scan.end)) return !odometry_resend_.must_wait(pending.scan);
   const std::int64_t waited_for = mapper_->started() ? pending.since : first_heard_;
   // After a wait without result the filter is probably gone rather than late: later scans wait less.
   const double again = std::min(config_.odometry_wait_s, kNextWait);
@@ -133,8 +133,8 @@ void MapperNode::process_due(bool last_call) {
 }
 
 void MapperNode::process(scan::Scan scan) {
-  odometry_.look_from(scan.end);
-  if (mapper_->begins() && odometry_.reaches(scan.end) && !odometry_.covers(scan.start, scan.end)) {
+  odometry_.set_horizon(scan.end);
+  if (mapper_->is_new_drive() && odometry_.reaches(scan.end) && !odometry_.covers(scan.start, scan.end)) {
     // The filter runs but does not know its attitude yet: a map begun now would not be level.
     if (scan.end - first_lidar_ <= microseconds(config_.start_wait_s)) {
       counters_.add("skipped.odometry_not_ready");
@@ -219,7 +219,7 @@ void MapperNode::publish_pose(const MapperUpdate& update) {
                   (update.stationary ? map_pose_t::STATIONARY : 0) |
                   (update.fix == tracking::Fix::kTracking ? 0 : map_pose_t::LOST);
   bus_.publish("MAP_POSE", message);
-  if ((message.flags & map_pose_t::LOST) == 0) sender_.posed({update.utime, update.revolution, update.T_map_base});
+  if ((message.flags & map_pose_t::LOST) == 0) sender_.add_pose({update.utime, update.revolution, update.T_map_base});
 }
 
 /// Records poses that are tracked.
@@ -237,13 +237,13 @@ void MapperNode::keep_pose(const MapperUpdate& update) {
 }
 
 void MapperNode::take_changes(std::int64_t now) {
-  mapper_->wait_grown();
+  mapper_->wait_inserted();
   const std::vector<TileKey> changed = mapper_->take_changed();
   const std::vector<TileKey> evicted = mapper_->take_evicted();
-  sender_.changed(mapper_->shows_start() ? mapper_->take_changed_of_start() : changed);
+  sender_.queue_tiles(mapper_->shows_start() ? mapper_->take_changed_of_start() : changed);
   sender_.forget(evicted);
   if (!journal_) return;
-  if (journal_->wants_anew(now)) journal_->start_epoch(epoch_, mapper_->recorded());
+  if (journal_->needs_restart(now)) journal_->start_epoch(epoch_, mapper_->recorded());
   journal_->set_rings(mapper_->rings());
   journal_->write(mapper_->grown(), mapper_->atlas(), changed, evicted, now);
 }
@@ -273,7 +273,8 @@ void MapperNode::tick(std::int64_t now) {
   sender_.send_requested(mapper_->shown());
   if (std::abs(now - index_sent_) >= kIndexPeriod) send_index(now);
   keep_map();
-  if (std::exchange(is_pause_, true)) mapper_->use_the_pause();  // downstream services are done with the scan
+  if (std::exchange(is_pause_, true))
+    mapper_->begin_free_space_removal();  // downstream services are done with the scan
 }
 
 void MapperNode::finish() {
@@ -283,7 +284,7 @@ void MapperNode::finish() {
   if (epoch_ == 0) return;
   take_changes(last_end_);
   if (mapper_->show_drive()) begin_epoch(last_end_ + 1);
-  sender_.changed(mapper_->finish());
+  sender_.queue_tiles(mapper_->finish());
   sender_.finish(mapper_->dense());
   send_index(last_end_);
   keep_map_at_the_end();

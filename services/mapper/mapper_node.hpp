@@ -42,8 +42,8 @@ class MapperNode final : public Node {
   void on(const lidar_points_t& message);
   void on(const odometry_t& message);
   /// Messages that were sent again on request.
-  void on_again(const lidar_points_t& message);
-  void on_again(const odometry_t& message);
+  void on_resent(const lidar_points_t& message);
+  void on_resent(const odometry_t& message);
   void on(const tile_request_t& message);
 
   [[nodiscard]] const Mapper& mapper() const { return *mapper_; }

@@ -40,7 +40,7 @@ void MapperNode::begin_map() {
 void MapperNode::note_loaded() {
   if (!loaded_) return;
   loaded_->epoch = epoch_;
-  saver_->holds(*std::exchange(loaded_, std::nullopt));
+  saver_->set_on_disk(*std::exchange(loaded_, std::nullopt));
 }
 
 /// Continues the drive of a mapper that was killed a short time ago. True if there is one.

@@ -34,8 +34,8 @@ bool MapSaver::busy() {
 }
 
 void MapSaver::begin(MapSnapshot snapshot) {
-  if (snapshot.versions == on_disk_ && fault_.empty() && !is_of_another_) return;
-  is_of_another_ = false;
+  if (snapshot.versions == on_disk_ && fault_.empty() && !is_of_loaded_map_) return;
+  is_of_loaded_map_ = false;
   under_way_ = std::move(snapshot.versions);
   writing_ = std::async(std::launch::async, [map = std::move(snapshot.map), folder = folder_]() -> Result {
     try {
@@ -51,12 +51,12 @@ fs::path MapSaver::set_aside(MapSnapshot last, std::int64_t began) {
   std::error_code ignored;
   const fs::path folder = fs::weakly_canonical(folder_, ignored);
   const fs::path beside = name_beside(folder, began);
-  is_of_another_ = false;
+  is_of_loaded_map_ = false;
   is_last_ = true;
   writing_ = std::async(std::launch::async, [map = std::move(last.map), folder, beside]() -> Result {
     Result result;
     try {
-      result.left_out = save_map(map, folder);
+      result.missing = save_map(map, folder);
     } catch (const std::exception& error) {
       result.fault = error.what();
     }
@@ -77,21 +77,21 @@ void MapSaver::finish() {
     on_disk_ = {};
     return;
   }
-  forget(result.left_out);
+  forget(result.missing);
   on_disk_ = std::move(under_way_);
 }
 
 /// What the saved snapshot lacks is written again with the next one.
-void MapSaver::forget(const LeftOut& left_out) {
-  if (left_out.size() == 0) return;
-  for (const TileKey& key : left_out.gone) under_way_.tiles.erase(key);
-  for (const TileKey& key : left_out.earlier) under_way_.tiles[key] = on_disk_.tiles.at(key);
-  for (const std::size_t i : left_out.keyframes) under_way_.nodes[i].points = 0;
-  counters_.add("folder.left_out", static_cast<std::int64_t>(left_out.size()));
+void MapSaver::forget(const MissingParts& missing) {
+  if (missing.size() == 0) return;
+  for (const TileKey& key : missing.gone) under_way_.tiles.erase(key);
+  for (const TileKey& key : missing.earlier) under_way_.tiles[key] = on_disk_.tiles.at(key);
+  for (const std::size_t i : missing.keyframes) under_way_.nodes[i].points = 0;
+  counters_.add("folder.left_out", static_cast<std::int64_t>(missing.size()));
   fault_ = fmt::format(
       "{}: saved without {} tiles and the scans of {} keyframes, and with {} tiles as they were before: "
       "the disk of far_folder does not give them back",
-      folder_.string(), left_out.gone.size(), left_out.keyframes.size(), left_out.earlier.size());
+      folder_.string(), missing.gone.size(), missing.keyframes.size(), missing.earlier.size());
 }
 
 }  // namespace curbstone::mapper::storage

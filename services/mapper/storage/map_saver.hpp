@@ -29,9 +29,9 @@ class MapSaver {
   [[nodiscard]] bool busy();
   /// The folder holds a loaded map, of which the files listed in `versions` need not be written again. Call it before
   /// the first snapshot, which is then written even if it contains nothing new.
-  void holds(MapVersions versions) {
+  void set_on_disk(MapVersions versions) {
     on_disk_ = std::move(versions);
-    is_of_another_ = true;
+    is_of_loaded_map_ = true;
   }
   /// What the folder holds; empty before the first snapshot, unless holds() was called. Not while busy.
   [[nodiscard]] const MapVersions& on_disk() const { return on_disk_; }
@@ -55,11 +55,11 @@ class MapSaver {
   MapVersions under_way_;
   struct Result {
     std::string fault;  // why nothing was written; empty: the snapshot was written
-    LeftOut left_out;
+    MissingParts missing;
   };
-  void forget(const LeftOut& left_out);
-  bool is_of_another_ = false;  // the folder's head names the epoch of a loaded map
-  bool is_last_ = false;        // the folder is set aside after the save in progress
+  void forget(const MissingParts& missing);
+  bool is_of_loaded_map_ = false;  // the folder's head names the epoch of a loaded map
+  bool is_last_ = false;           // the folder is set aside after the save in progress
   std::future<Result> writing_;
   std::string fault_;
   Counters counters_;
