@@ -1,30 +1,16 @@
 #include "services/mapper/storage/map_saver.hpp"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <chrono>
-#include <ctime>
 #include <string>
 #include <system_error>
 #include <utility>
 
+#include "common/time/dated_path.hpp"
+
 namespace curbstone::mapper::storage {
-namespace {
-
 namespace fs = std::filesystem;
-
-/// A free name next to the folder.
-fs::path name_beside(const fs::path& folder, std::int64_t began) {
-  const std::time_t second = began / 1'000'000;
-  const std::string stem = fmt::format("{}-{:%Y%m%dT%H%M%SZ}", folder.string(), fmt::gmtime(second));
-  std::string name = stem;
-  std::error_code ignored;
-  for (int i = 2; fs::exists(name, ignored); ++i) name = fmt::format("{}-{}", stem, i);
-  return name;
-}
-
-}  // namespace
 
 bool MapSaver::busy() {
   if (!writing_.valid()) return false;
@@ -50,7 +36,7 @@ void MapSaver::begin(MapSnapshot snapshot) {
 fs::path MapSaver::set_aside(MapSnapshot last, std::int64_t began) {
   std::error_code ignored;
   const fs::path folder = fs::weakly_canonical(folder_, ignored);
-  const fs::path beside = name_beside(folder, began);
+  const fs::path beside = free_dated_path(folder.string(), began);
   is_of_loaded_map_ = false;
   is_last_ = true;
   writing_ = std::async(std::launch::async, [map = std::move(last.map), folder, beside]() -> Result {
