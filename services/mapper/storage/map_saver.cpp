@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "common/time/dated_path.hpp"
+#include "common/time/microseconds.hpp"
 
 namespace curbstone::mapper::storage {
 namespace fs = std::filesystem;
@@ -17,6 +19,19 @@ bool MapSaver::busy() {
   if (writing_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return true;
   finish();
   return false;
+}
+
+void MapSaver::begin_epoch(std::int32_t epoch) {
+  if (!loaded_) return;
+  on_disk_ = *std::exchange(loaded_, std::nullopt);
+  on_disk_.epoch = epoch;
+  is_of_loaded_map_ = true;
+}
+
+bool MapSaver::is_due(std::int64_t utime) {
+  if (save_every_ <= 0) return false;
+  if (period_began_ == 0) period_began_ = utime;
+  return !busy() && std::abs(utime - period_began_) >= microseconds(save_every_);
 }
 
 void MapSaver::begin(MapSnapshot snapshot) {
@@ -39,6 +54,7 @@ fs::path MapSaver::set_aside(MapSnapshot last, std::int64_t began) {
   const fs::path beside = free_dated_path(folder.string(), began);
   is_of_loaded_map_ = false;
   is_last_ = true;
+  period_began_ = 0;
   writing_ = std::async(std::launch::async, [map = std::move(last.map), folder, beside]() -> Result {
     Result result;
     try {
