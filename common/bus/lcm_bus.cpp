@@ -81,7 +81,7 @@ class LcmBus::Impl {
     if (socket_) socket_->pass_all();
   }
 
-  void hear_large(std::vector<std::string> channels) { large_channels_ = std::move(channels); }
+  void receive_large(std::vector<std::string> channels) { large_channels_ = std::move(channels); }
 
   bool handle(std::chrono::milliseconds timeout) {
     if (!threaded_) return lcm_handle_timeout(lcm_, static_cast<int>(timeout.count())) >= 0;
@@ -290,8 +290,8 @@ void LcmBus::publish_bytes(const std::string& channel, const void* data, int siz
 void LcmBus::tap(Tap tap, QueueLimit limit, const std::string& except) {
   impl_->tap(std::move(tap), limit, except);
 }
-void LcmBus::hear_large(std::vector<std::string> channels) {
-  impl_->hear_large(std::move(channels));
+void LcmBus::receive_large(std::vector<std::string> channels) {
+  impl_->receive_large(std::move(channels));
 }
 void LcmBus::subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) {
   impl_->subscribe(channel, std::move(handler), limit);

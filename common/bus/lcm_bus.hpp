@@ -34,10 +34,10 @@ class LcmBus final : public Publisher, public Subscriber, public Tappable {
   /// received the message.
   void tap(Tap tap, QueueLimit limit, const std::string& except = "") override;
 
-  /// On these channels a tap also hears messages of more than 64 kB, up to 16 MB, as other programs send them: see
+  /// On these channels a tap also receives messages of more than 64 kB, up to 16 MB, as other programs send them: see
   /// FragmentAssembler. `refused.fragment` and `dropped.large` count fragments and messages that did not become whole.
   /// Call it before the first subscription. Only UDP multicast needs this; other buses have no such limit.
-  void hear_large(std::vector<std::string> channels);
+  void receive_large(std::vector<std::string> channels);
 
   /// For poll(): readable when handle() has work. Call handle(0) then.
   [[nodiscard]] int fd() const;

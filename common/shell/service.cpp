@@ -47,7 +47,7 @@ void run(service_config_t config, const std::string& url, const std::string& has
   EventLoop loop;
   LcmBus bus(url);
   ServiceContext context{config.service, bus.url(), bus, bus, loop, [&bus](std::vector<std::string> channels) {
-                           bus.hear_large(std::move(channels));
+                           bus.receive_large(std::move(channels));
                          }};
   const std::unique_ptr<Node> node = make(context);
   node->connect(bus);

@@ -19,8 +19,8 @@ struct ServiceContext {
   Publisher& bus;
   Tappable& everything;  ///< the same bus: for a recorder
   EventLoop& loop;
-  /// LcmBus::hear_large(): for a recorder. Call it before tapping the bus.
-  std::function<void(std::vector<std::string> channels)> hear_large;
+  /// LcmBus::receive_large(): for a recorder. Call it before tapping the bus.
+  std::function<void(std::vector<std::string> channels)> receive_large;
 };
 
 /// The identity of a process.

@@ -94,7 +94,7 @@ void LocalizerNode::process_due(bool last_call) {
 }
 
 void LocalizerNode::process(const mapper::scan::Scan& scan) {
-  odometry_.look_from(scan.end);
+  odometry_.set_horizon(scan.end);
   const bool covered = odometry_.covers(scan.start, scan.end);
   if (!begun_ && !covered) {
     counters_.add("skipped.no_odometry_yet");

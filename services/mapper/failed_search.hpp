@@ -15,7 +15,7 @@ class FailedSearch {
   /// vehicle's position in the odom frame at that time, m; nothing if unknown.
   void add(std::int64_t utime, const std::optional<Eigen::Vector3d>& in_odom) {
     const double dt = last_ == 0 ? 0 : static_cast<double>(utime - last_) * 1e-6;
-    const bool in_step = dt > 0 && dt <= kLongestStep;
+    const bool in_step = dt > 0 && dt <= kMaxStep;
     const double went = in_odom && in_odom_ ? (*in_odom - *in_odom_).norm() : -1;
     const bool is_guided = went >= 0 && went <= kMaxSpeed * dt;  // else the odom frame is a new one
     if (in_step) (is_guided ? guided_ : unguided_) += dt;
@@ -27,14 +27,16 @@ class FailedSearch {
   /// Duration of the search, s.
   [[nodiscard]] double seconds() const { return guided_ + unguided_; }
   /// The vehicle is not in sight of what has been mapped: the search should end.
-  [[nodiscard]] bool is_hopeless() const { return (seconds() >= kLong && path_ >= kFar) || unguided_ >= kLongUnguided; }
+  [[nodiscard]] bool is_hopeless() const {
+    return (seconds() >= kMinDuration && path_ >= kMinPath) || unguided_ >= kMaxUnguided;
+  }
 
  private:
-  static constexpr double kLong = 12;          // s, later than LostTimer; about six searches of the whole map, and
-  static constexpr double kFar = 24;           // m by odometry, or
-  static constexpr double kLongUnguided = 24;  // s without odometry
-  static constexpr double kLongestStep = 1;    // s between two scans that are counted
-  static constexpr double kMaxSpeed = 60;      // m/s; a faster one is a jump of the odom frame
+  static constexpr double kMinDuration = 12;  // s, later than LostTimer; about six searches of the whole map, and
+  static constexpr double kMinPath = 24;      // m by odometry, or
+  static constexpr double kMaxUnguided = 24;  // s without odometry
+  static constexpr double kMaxStep = 1;       // s between two scans that are counted
+  static constexpr double kMaxSpeed = 60;     // m/s; a faster one is a jump of the odom frame
 
   std::int64_t last_ = 0;  // us; 0: none
   std::optional<Eigen::Vector3d> in_odom_;

@@ -42,16 +42,16 @@ void MapSender::start_epoch(std::int32_t epoch, const dense_map::DenseMap& map, 
   catalog_.start_epoch(epoch);
   sent_.clear();
   changed_.clear();
-  changed_.look_from(nearest_first.x(), nearest_first.y());
+  changed_.set_position(nearest_first.x(), nearest_first.y());
   std::vector<TileKey> keys = map.keys();
   const auto distance = [&](TileKey key) { return squared_distance(key, nearest_first.x(), nearest_first.y()); };
   std::stable_sort(keys.begin(), keys.end(), [&](TileKey a, TileKey b) { return distance(a) < distance(b); });
-  changed(keys);
+  queue_tiles(keys);
   trajectory_ = make_trajectory_pages(drive, epoch);
   drive_.start_epoch(epoch, drive);
 }
 
-void MapSender::changed(const std::vector<TileKey>& tiles) {
+void MapSender::queue_tiles(const std::vector<TileKey>& tiles) {
   for (const TileKey& key : tiles) changed_.push(key);
 }
 
@@ -107,7 +107,7 @@ void MapSender::send_changes(const dense_map::DenseMap& map, std::int64_t now) {
     catalog_.set_version(*key, sent);
     if (sent < total) unfinished.push_back(*key);
   }
-  changed(unfinished);
+  queue_tiles(unfinished);
 }
 
 void MapSender::send_requested(const dense_map::DenseMap& map) {
@@ -131,7 +131,7 @@ void MapSender::send_trajectory() {
 }
 
 void MapSender::send_index(std::int64_t now, const Eigen::Vector3d& position) {
-  changed_.look_from(position.x(), position.y());
+  changed_.set_position(position.x(), position.y());
   for (const tile_index_t& page : drive_.make_index(now)) bus_.publish("TILE_INDEX", page);
   for (const tile_index_t& page : catalog_.make_index(now, position.x(), position.y()))
     bus_.publish("TILE_INDEX", page);

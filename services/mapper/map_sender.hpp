@@ -28,7 +28,7 @@ class MapSender {
   void start_epoch(std::int32_t epoch, const dense_map::DenseMap& map, const Eigen::Vector3d& nearest_first,
                    const std::vector<TrajectoryPoint>& drive);
   /// Queues tiles that have grown. They are sent in this order, those near the vehicle first.
-  void changed(const std::vector<TileKey>& tiles);
+  void queue_tiles(const std::vector<TileKey>& tiles);
   /// Drops tiles that the map has evicted.
   void forget(const std::vector<TileKey>& tiles);
   void request(const tile_request_t& message) {
@@ -36,7 +36,7 @@ class MapSender {
     drive_.request(message);
   }
   /// Records a pose that was published as MAP_POSE. A pose with LOST is a guess and does not belong to the drive.
-  void posed(const TrajectoryPoint& point) { drive_.add(point); }
+  void add_pose(const TrajectoryPoint& point) { drive_.add(point); }
 
   /// Sends new records, as many as the rate allows for the time since the last call, a quarter of a second at most.
   /// `now`: us.

@@ -28,13 +28,13 @@ Mapper::Mapper(const config::MapperConfig& config, const std::shared_ptr<SpillFi
       start_(config.dense, config.vehicle.T_base_lidar(), config.threads > 1, spill_file) {}
 
 std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
-  if (left_off_) take_up(*left_off_, scan, odometry);
+  if (resumed_pose_) resume_at(*resumed_pose_, scan, odometry);
   const std::optional<tracking::Tracked> tracked = tracker_.track(scan, odometry);
   if (!tracked) return std::nullopt;
-  if (std::exchange(left_off_, std::nullopt)) counters_.add(tracked->began ? "resumed.lost" : "resumed");
+  if (std::exchange(resumed_pose_, std::nullopt)) counters_.add(tracked->began ? "resumed.lost" : "resumed");
   const bool is_known = odometry.covers(scan.end, scan.end);
-  const bool is_witness = is_known && !tracker_.odometry_check().rejects_odometry();
-  const auto T_odom_base = is_witness ? std::optional(odometry.at(scan.end)) : std::nullopt;
+  const bool has_trusted_odometry = is_known && !tracker_.odometry_check().rejects_odometry();
+  const auto T_odom_base = has_trusted_odometry ? std::optional(odometry.at(scan.end)) : std::nullopt;
   if (tracked->began) standstill_ = Standstill::at(tracked->utime, tracked->T_map_base);
 
   // Not sought while registration follows something beside the vehicle, which looks the same everywhere, nor with scans
@@ -79,7 +79,7 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::
 std::optional<Mapper::Relocalisation> Mapper::relocalise(const tracking::Tracked& tracked,
                                                          const std::optional<Pose>& T_odom_base) {
   const std::int64_t period =
-      pose_graph::Relocalizer::is_anywhere(tracker_.uncertainty()) ? kSearchAnywhere : kSearchPeriod;
+      pose_graph::Relocalizer::needs_global_search(tracker_.uncertainty()) ? kSearchAnywhere : kSearchPeriod;
   if (atlas_.size() == 0 || std::abs(tracked.utime - searched_) < period) return std::nullopt;
   searched_ = tracked.utime;
   counters_.add("searches");
@@ -120,7 +120,7 @@ bool Mapper::roll_back_to_agreement(const Pose& T_map_base, std::int64_t utime,
   dense_->roll_back(*good_until);
   start_.end();
   trajectory_.roll_back(*good_until);
-  relocalizer_.forget();
+  relocalizer_.clear();
   return true;
 }
 
@@ -153,14 +153,14 @@ Mapper::Mapped Mapper::map(const tracking::Tracked& tracked) {
 /// correction of the vehicle's pose, T_new_old; nothing if nothing moves. Waits while the map still moves by an earlier
 /// loop.
 std::optional<Pose> Mapper::close_loop(const tracking::Tracked& tracked) {
-  dense_->wait_grown();
+  dense_->wait_inserted();
   if (dense_->is_moving()) return std::nullopt;
-  const auto closure = closer_.look(atlas_, relocalizer_, *tracked.points, tracked.T_map_base);
+  const auto closure = closer_.search(atlas_, relocalizer_, *tracked.points, tracked.T_map_base);
   if (!closure) return std::nullopt;
   const auto correction = closer_.solve(atlas_, *closure, tracked.T_map_base);
   if (!correction) return std::nullopt;
   atlas_.add_loop(correction->loop);
-  if (!closer_.matters(*correction, atlas_)) return std::nullopt;
+  if (!closer_.is_significant(*correction, atlas_)) return std::nullopt;
   const Pose& here = correction->T_new_old[static_cast<std::size_t>(atlas_.reference())];
   atlas_.move(correction->T_new_old);
   dense_->move(correction->T_new_old);
@@ -173,7 +173,7 @@ std::optional<Pose> Mapper::close_loop(const tracking::Tracked& tracked) {
 
 /// Rewrites the tiles without removal records once there are too many of these. True if it did.
 bool Mapper::drop_removals() {
-  dense_->wait_grown();
+  dense_->wait_inserted();
   if (dense_->is_moving() || dense_->num_removals() < kMaxRemovals) return false;
   dense_->move({});
   return true;
@@ -193,13 +193,13 @@ void Mapper::grow(const tracking::Tracked& tracked, const Pose& T_map_base, int 
 
   dense_map::DenseWork work{std::move(earlier), std::nullopt};
   work.insertions.push_back({tracked.points, T_map_base, tracked.utime, anchor, add_new});
-  work.look = look_after(std::exchange(earlier_, Earlier{T_map_base, tracked.utime}), T_map_base, tracked.utime);
+  work.removal = removal_after(std::exchange(earlier_, Earlier{T_map_base, tracked.utime}), T_map_base, tracked.utime);
   if (config_.dense.ring_scale) {
     for (Insertion& insertion : work.insertions) insertion.scale = scale_.table();
   }
   if (at_start) {
     start_.map().begin(std::move(work));
-    start_.grew(tracked.utime);
+    start_.note_scan(tracked.utime);
   } else {
     dense_->begin(std::move(work));
     if (dense_began_ == 0) dense_began_ = tracked.utime;
@@ -211,25 +211,26 @@ void Mapper::stay_at_start() {
   const std::int64_t began = start_.began();
   std::unique_ptr<dense_map::DenseWorker> map = start_.hand_over();
   if (!map) return;
-  map->wait_grown();
+  map->wait_inserted();
   map->note_all_changed();
   dense_ = std::move(map);
   dense_began_ = began;
 }
 
 /// Prepares free-space removal. Only points whose keyframe is in the local map can be judged.
-std::optional<dense_map::DenseWork::Look> Mapper::look_after(const std::optional<Earlier>& earlier,
-                                                             const Pose& T_map_base, std::int64_t utime) const {
+std::optional<dense_map::DenseWork::FreeSpaceRemoval> Mapper::removal_after(const std::optional<Earlier>& earlier,
+                                                                            const Pose& T_map_base,
+                                                                            std::int64_t utime) const {
   if (!earlier) return std::nullopt;
   const double dt = scan::seconds(earlier->utime, utime);
   if (!(dt > 0 && dt < kLongestStep)) return std::nullopt;
-  dense_map::DenseWork::Look look;
-  look.motion = scan::twist_of(earlier->T_map_base.inverse() * T_map_base, dt);
-  look.present.reserve(static_cast<std::size_t>(atlas_.size()));
-  for (int id = 0; id < atlas_.size(); ++id) look.present.push_back(atlas_.present(id));
-  const auto end_of_known = look.present.begin() + atlas_.num_known();
-  look.on_known_map = std::find(look.present.begin(), end_of_known, true) != end_of_known;
-  return look;
+  dense_map::DenseWork::FreeSpaceRemoval removal;
+  removal.motion = scan::twist_of(earlier->T_map_base.inverse() * T_map_base, dt);
+  removal.present.reserve(static_cast<std::size_t>(atlas_.size()));
+  for (int id = 0; id < atlas_.size(); ++id) removal.present.push_back(atlas_.present(id));
+  const auto end_of_known = removal.present.begin() + atlas_.num_known();
+  removal.on_known_map = std::find(removal.present.begin(), end_of_known, true) != end_of_known;
+  return removal;
 }
 
 std::vector<TileKey> Mapper::take_changed() {
@@ -238,14 +239,14 @@ std::vector<TileKey> Mapper::take_changed() {
   return changed;
 }
 
-void Mapper::use_the_pause() {
-  if (start_.is_there()) start_.map().look();
-  dense_->look();
+void Mapper::begin_free_space_removal() {
+  if (start_.is_there()) start_.map().begin_free_space_removal();
+  dense_->begin_free_space_removal();
 }
 
-void Mapper::wait_grown() {
-  if (start_.is_there()) start_.map().wait_grown();
-  dense_->wait_grown();
+void Mapper::wait_inserted() {
+  if (start_.is_there()) start_.map().wait_inserted();
+  dense_->wait_inserted();
 }
 
 void Mapper::wait() {

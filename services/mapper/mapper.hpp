@@ -85,7 +85,7 @@ class Mapper {
   /// if it has too few points and odometry does not continue the pose: see Tracker::track().
   [[nodiscard]] std::optional<MapperUpdate> process(const scan::Scan& scan, const scan::OdometryHistory& odometry);
   /// Begins free-space removal in the dense map while nobody waits for a result. Otherwise process() does it first.
-  void use_the_pause();
+  void begin_free_space_removal();
   /// Shows the drive's own map from now on, as the drive ends. True if another map was shown: then every tile may
   /// differ.
   [[nodiscard]] bool show_drive();
@@ -94,7 +94,7 @@ class Mapper {
   [[nodiscard]] std::vector<TileKey> finish();
 
   /// Waits until all scans are inserted into the dense map. Free-space removal may still be pending.
-  void wait_grown();
+  void wait_inserted();
   /// Waits until all work on the dense map is done, including free-space removal.
   void wait();
   /// The map of the first standstill exists: until the drive's own map replaces it.
@@ -102,9 +102,9 @@ class Mapper {
   /// The map of the first standstill is shown instead of the drive's own: see shown().
   [[nodiscard]] bool shows_start() const { return start_.is_shown(); }
   /// The map to publish: grown(), or at the beginning of a drive the map of the first standstill. Only after
-  /// wait_grown(), wait() or finish(); else throws std::logic_error.
+  /// wait_inserted(), wait() or finish(); else throws std::logic_error.
   [[nodiscard]] const dense_map::DenseMap& shown() { return shown_map().grown(); }
-  /// The drive's own map, with all scans inserted. Only after wait_grown(), wait() or finish(); else throws
+  /// The drive's own map, with all scans inserted. Only after wait_inserted(), wait() or finish(); else throws
   /// std::logic_error.
   [[nodiscard]] const dense_map::DenseMap& grown() const { return dense_->grown(); }
   /// The drive's own map, complete. Only after wait() or finish(); else throws std::logic_error.
@@ -113,7 +113,7 @@ class Mapper {
   [[nodiscard]] std::vector<TileKey> take_changed();
   /// The same for the map of the first standstill, if shown() is that map.
   [[nodiscard]] std::vector<TileKey> take_changed_of_start() { return start_.map().take_changed(); }
-  /// Tiles that were evicted for lack of memory since the last call. After wait_grown().
+  /// Tiles that were evicted for lack of memory since the last call. After wait_inserted().
   [[nodiscard]] std::vector<TileKey> take_evicted() { return dense_->take_evicted(); }
 
   /// The map to save, all of it in memory. After wait() or finish(). Throws std::runtime_error if the file of far tiles
@@ -124,7 +124,7 @@ class Mapper {
 
   [[nodiscard]] bool started() const { return tracker_.started(); }
   /// The next scan is the first of a new drive, not of one that another mapper began.
-  [[nodiscard]] bool begins() const { return !started() && !left_off_; }
+  [[nodiscard]] bool is_new_drive() const { return !started() && !resumed_pose_; }
   [[nodiscard]] tracking::Fix fix() const { return tracker_.fix(); }
   [[nodiscard]] const pose_graph::Atlas& atlas() const { return atlas_; }
   /// The histograms that the intensity scale of the dense map was computed from.
@@ -165,7 +165,7 @@ class Mapper {
     Pose T_map_base;
     std::int64_t utime;
   };
-  void take_up(const journal::RecordedPose& last, const scan::Scan& scan, const scan::OdometryHistory& odometry);
+  void resume_at(const journal::RecordedPose& last, const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] std::optional<Relocalisation> relocalise(const tracking::Tracked& tracked,
                                                          const std::optional<Pose>& T_odom_base);
   void note_failed_search(std::int64_t utime, const std::optional<Pose>& T_odom_base);
@@ -179,8 +179,8 @@ class Mapper {
             std::vector<dense_map::DenseWork::Insertion> earlier);
   void stay_at_start();
   [[nodiscard]] dense_map::DenseWorker& shown_map() { return start_.is_shown() ? start_.map() : *dense_; }
-  [[nodiscard]] std::optional<dense_map::DenseWork::Look> look_after(const std::optional<Earlier>& earlier,
-                                                                     const Pose& T_map_base, std::int64_t utime) const;
+  [[nodiscard]] std::optional<dense_map::DenseWork::FreeSpaceRemoval> removal_after(
+      const std::optional<Earlier>& earlier, const Pose& T_map_base, std::int64_t utime) const;
 
   static constexpr double kLongestStep = 0.3;  // s between scans from which the motion is computed
 
@@ -196,10 +196,10 @@ class Mapper {
   StartMap start_;
   Trajectory trajectory_;
   Standstill standstill_;
-  std::optional<Earlier> earlier_;                 // nothing if the map has been rearranged since
-  std::optional<journal::RecordedPose> left_off_;  // last pose of the mapper that died, until the first scan
-  scan::Twist left_off_twist_;                     // at that pose
-  std::int64_t searched_ = 0;                      // us, end of the scan of the last search
+  std::optional<Earlier> earlier_;                     // nothing if the map has been rearranged since
+  std::optional<journal::RecordedPose> resumed_pose_;  // last pose of the mapper that died, until the first scan
+  scan::Twist resumed_twist_;                          // at that pose
+  std::int64_t searched_ = 0;                          // us, end of the scan of the last search
   FailedSearch failed_search_;
   bool is_settled_ = false;       // dense_->finish() was called since the vehicle was lost
   std::vector<TileKey> settled_;  // tiles that this call changed, until take_changed()

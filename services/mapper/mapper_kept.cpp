@@ -64,8 +64,8 @@ void Mapper::load(const storage::SavedMap& map) {
 }
 
 void Mapper::resume(journal::RecordedDrive drive) {
-  left_off_ = drive.poses.back();
-  if (drive.poses.size() > 1) left_off_twist_ = motion_between(*(drive.poses.end() - 2), *left_off_, kLongestStep);
+  resumed_pose_ = drive.poses.back();
+  if (drive.poses.size() > 1) resumed_twist_ = motion_between(*(drive.poses.end() - 2), *resumed_pose_, kLongestStep);
   scale_.restore(std::move(drive.rings));
   const auto num_known = static_cast<std::size_t>(drive.num_known);
   for (std::size_t i = 0; i < drive.nodes.size(); ++i) {
@@ -79,7 +79,7 @@ void Mapper::resume(journal::RecordedDrive drive) {
   for (auto& [key, tile] : drive.tiles) {
     const std::int32_t z_origin = tile.z_origin;
     auto content = content_of(std::exchange(tile, {}));  // emptied first, so that its data exists once
-    if (content) dense_->restore(key, z_origin, std::move(*content), left_off_->T_map_base.translation());
+    if (content) dense_->restore(key, z_origin, std::move(*content), resumed_pose_->T_map_base.translation());
   }
   for (const journal::RecordedPose& pose : drive.poses) {
     const Pose T_odom_base = pose.T_map_odom.inverse() * pose.T_map_base;
@@ -92,12 +92,13 @@ void Mapper::resume(journal::RecordedDrive drive) {
 /// Takes over the drive of a mapper that died, before the first scan. The vehicle is near the pose that odometry
 /// predicts from the last pose; registration checks it. Without that odometry (the filter died too) the last motion is
 /// extrapolated if this scan is the next one; otherwise the vehicle is searched for.
-void Mapper::take_up(const journal::RecordedPose& last, const scan::Scan& scan, const scan::OdometryHistory& odometry) {
+void Mapper::resume_at(const journal::RecordedPose& last, const scan::Scan& scan,
+                       const scan::OdometryHistory& odometry) {
   const double reach = config_.tracker.max_speed * std::abs(scan::seconds(last.utime, scan.start)) + kGuess;
   const Eigen::Vector3d was_at = last.T_map_base.translation();
   const auto go_on = [&](std::int64_t utime, const Pose& T_map_base, double path) {
     T_map_odom_ = last.T_map_odom;
-    tracker_.resume(utime, T_map_base, path, left_off_twist_);
+    tracker_.resume(utime, T_map_base, path, resumed_twist_);
     local_map_.rebuild(T_map_base, last.node);
     standstill_ = Standstill{last.standing_since, last.utime, last.T_map_base, last.has_moved};
   };

@@ -10,19 +10,14 @@
 #include "common/bus/levels.hpp"
 #include "common/resend/message_keeper.hpp"
 #include "common/time/clock.hpp"
-#include "common/time/microseconds.hpp"
-#include "services/mapper/scan/odometry_intake.hpp"
 
 namespace curbstone::mapper {
 namespace {
 
-constexpr std::size_t kMaxPending = 80;  // scans that wait for odometry: 4 s at 20 Hz
-constexpr int kMaxScansPerTick = 5;      // scans processed per call
+constexpr int kMaxScansPerTick = 5;  // scans processed per call
 constexpr std::int64_t kIndexPeriod = 1'000'000;
-constexpr std::int64_t kKeptOdometry = 100'000;    // us before the newest scan
+constexpr std::int64_t kGyroWindow = 100'000;      // us before the end of a scan in which a gyro must have measured
 constexpr std::int64_t kReportedFor = 60'000'000;  // us of the drive for which an event is reported
-constexpr double kNextWait = 0.25;                 // s, after a wait without result
-constexpr int kOdometryMissing = 5;                // scans in a row; the last scans of a drive always lack it
 
 std::vector<TrajectoryPoint> points_of(const std::vector<journal::RecordedPose>& drive) {
   std::vector<TrajectoryPoint> points;
@@ -37,48 +32,42 @@ std::vector<TrajectoryPoint> points_of(const std::vector<journal::RecordedPose>&
 MapperNode::MapperNode(const config::MapperConfig& config, Publisher& bus)
     : config_(config),
       bus_(bus),
-      sender_(bus),
-      packets_(bus, "mapper", "LIDAR_POINTS"),
-      odometry_resend_(bus, "mapper", odometry_),
+      input_(bus, "mapper", {config.start_wait_s, config.odometry_wait_s}),
       spill_file_(make_spill_file(config)),
       mapper_(std::in_place, config, spill_file_),
-      sensor_monitor_(config.vehicle) {
-  if (!config_.folder.empty() && config_.mode != config::MapMode::kLocalise) saver_.emplace(config_.folder);
+      sensor_monitor_(config.vehicle),
+      sender_(bus) {
+  if (!config_.folder.empty() && config_.mode != config::MapMode::kLocalise)
+    saver_.emplace(config_.folder, config_.save_every);
   if (!resume_drive() && config_.mode != config::MapMode::kMap) begin_map();
 }
 
 void MapperNode::connect(Subscriber& bus) {
   // 750 packets per second: two seconds of packets may wait while a scan is registered.
   bus.subscribe<lidar_points_t>("LIDAR_POINTS", [this](const lidar_points_t& m) { on(m); }, {1500});
-  bus.subscribe<lidar_points_t>(resent_channel("LIDAR_POINTS"), [this](const lidar_points_t& m) { on_again(m); },
+  bus.subscribe<lidar_points_t>(resent_channel("LIDAR_POINTS"), [this](const lidar_points_t& m) { on_resent(m); },
                                 {3000});
   bus.subscribe<odometry_t>("ODOMETRY", [this](const odometry_t& m) { on(m); }, {800});
-  bus.subscribe<odometry_t>(resent_channel("ODOMETRY"), [this](const odometry_t& m) { on_again(m); }, {3000});
+  bus.subscribe<odometry_t>(resent_channel("ODOMETRY"), [this](const odometry_t& m) { on_resent(m); }, {3000});
   bus.subscribe<tile_request_t>("TILE_REQUEST", [this](const tile_request_t& m) { on(m); }, {100});
 }
 
 void MapperNode::on(const lidar_points_t& message) {
-  packets_.hear(message, [this](const lidar_points_t& packet) { assemble(packet); });
+  input_.add(message);
   process_due(false);
 }
 
-void MapperNode::on_again(const lidar_points_t& message) {
-  packets_.hear_again(message, [this](const lidar_points_t& packet) { assemble(packet); });
+void MapperNode::on_resent(const lidar_points_t& message) {
+  input_.add_resent(message);
   process_due(false);
-}
-
-void MapperNode::on_again(const odometry_t& message) {
-  odometry_resend_.hear_again(message);
-  process_due(false);
-}
-
-void MapperNode::assemble(const lidar_points_t& packet) {
-  queue(assembler_.add(packet));
 }
 
 void MapperNode::on(const odometry_t& message) {
-  if (!scan::take_odometry(message, odometry_, counters_)) return;
-  note_late_odometry();
+  if (input_.add(message)) process_due(false);
+}
+
+void MapperNode::on_resent(const odometry_t& message) {
+  input_.add_resent(message);
   process_due(false);
 }
 
@@ -86,70 +75,29 @@ void MapperNode::on(const tile_request_t& message) {
   sender_.request(message);
 }
 
-/// Notes scans processed without odometry whose odometry arrives now: in a replay odometry is never late, so its map
-/// differs.
-void MapperNode::note_late_odometry() {
-  for (; !missed_.empty() && odometry_.reaches(missed_.front()); missed_.pop_front()) {
-    if (!odometry_.covers(missed_.front(), missed_.front())) continue;
-    counters_.add("odometry.too_late");
-    too_late_ = missed_.front();
-  }
-}
-
-void MapperNode::queue(std::optional<scan::Scan> scan) {
-  if (!scan) return;
-  if (first_lidar_ == 0) {
-    first_lidar_ = scan->start;
-    first_heard_ = packets_.newest();
-  }
-  if (pending_.size() >= kMaxPending) {
-    counters_.add("dropped.pending");
-    pending_.pop_front();
-  }
-  pending_.push_back({std::move(*scan), packets_.newest()});
-}
-
-bool MapperNode::due(const Pending& pending) {
-  if (odometry_.reaches(pending.scan.end)) return !odometry_resend_.is_waited_for(pending.scan);
-  const std::int64_t waited_for = mapper_->started() ? pending.since : first_heard_;
-  // After a wait without result the filter is probably gone rather than late: later scans wait less.
-  const double again = std::min(config_.odometry_wait_s, kNextWait);
-  const double wait = !mapper_->started()      ? config_.start_wait_s
-                      : without_odometry_ == 0 ? config_.odometry_wait_s
-                                               : again;
-  return std::abs(packets_.newest() - waited_for) > microseconds(wait);
-}
-
 /// Processes the scans that are due. If many are due at once (packets behind a gap, late odometry), not all in one
 /// call: meanwhile the process could neither publish nor request missing messages. For scans whose odometry is there
 /// the delay does not change the result.
 void MapperNode::process_due(bool last_call) {
-  for (int done = 0; !pending_.empty() && (last_call || due(pending_.front())); ++done) {
-    if (!last_call && done >= kMaxScansPerTick && odometry_.reaches(pending_.front().scan.end)) return;
-    Pending next = std::move(pending_.front());
-    pending_.pop_front();
-    process(std::move(next.scan));
+  for (int done = 0; !input_.empty() && (last_call || input_.is_due(mapper_->started())); ++done) {
+    if (!last_call && done >= kMaxScansPerTick && input_.has_odometry()) return;
+    process(input_.pop());
   }
 }
 
 void MapperNode::process(scan::Scan scan) {
-  odometry_.look_from(scan.end);
-  if (mapper_->begins() && odometry_.reaches(scan.end) && !odometry_.covers(scan.start, scan.end)) {
-    // The filter runs but does not know its attitude yet: a map begun now would not be level.
-    if (scan.end - first_lidar_ <= microseconds(config_.start_wait_s)) {
-      counters_.add("skipped.odometry_not_ready");
-      return;
-    }
+  if (mapper_->is_new_drive() && input_.is_filter_starting(scan)) {
+    counters_.add("skipped.odometry_not_ready");  // a map begun now would not be level
+    return;
   }
   const std::int64_t begin = steady_clock();
   sensor_monitor_.clean(scan);
-  const std::optional<MapperUpdate> update = mapper_->process(scan, odometry_);
+  const std::optional<MapperUpdate> update = mapper_->process(scan, input_.odometry());
   latency_.add(static_cast<double>(steady_clock() - begin) * 1e-6);
-  odometry_.forget_before(scan.start - kKeptOdometry);
+  input_.forget_before(scan.start);
   if (!update) return;
   last_end_ = scan.end;
-  if (!odometry_.reaches(scan.end) && missed_.size() < kMaxPending) missed_.push_back(scan.end);
-  without_odometry_ = update->with_odometry ? 0 : without_odometry_ + 1;
+  input_.note_processed(scan.end, update->with_odometry);
   position_ = update->T_map_base.translation();
   monitor_sensors(*update);
   if (update->rearranged) start_drive_.clear();
@@ -163,7 +111,7 @@ void MapperNode::process(scan::Scan scan) {
 
 /// While odometry coasts on the wheels, its turn is not compared with the LiDAR's.
 void MapperNode::monitor_sensors(const MapperUpdate& update) {
-  const bool is_measure = update.with_odometry && odometry_.with_gyro(update.utime - kKeptOdometry, update.utime);
+  const bool is_measure = update.with_odometry && input_.odometry().with_gyro(update.utime - kGyroWindow, update.utime);
   const std::optional<Pose> T_odom_base =
       is_measure ? std::optional(update.T_map_odom.inverse() * update.T_map_base) : std::nullopt;
   const std::optional<Pose>& by_scan = update.T_map_base_by_scan;
@@ -181,7 +129,7 @@ void MapperNode::begin_epoch(std::int64_t utime) {
   const auto now = static_cast<std::int32_t>(std::clamp<std::int64_t>(utime / 1'000'000, 1, 2'147'483'000));
   epoch_ = std::max({epoch_ + 1, epoch_before_ + 1, now});
   counters_.add("epochs");
-  note_loaded();
+  if (saver_) saver_->begin_epoch(epoch_);
   std::vector<journal::RecordedPose> drive = drive_so_far();
   std::erase_if(drive, [&](const auto& pose) { return pose.utime >= utime; });  // later poses follow as MAP_POSE
   mapper_->wait();
@@ -219,7 +167,7 @@ void MapperNode::publish_pose(const MapperUpdate& update) {
                   (update.stationary ? map_pose_t::STATIONARY : 0) |
                   (update.fix == tracking::Fix::kTracking ? 0 : map_pose_t::LOST);
   bus_.publish("MAP_POSE", message);
-  if ((message.flags & map_pose_t::LOST) == 0) sender_.posed({update.utime, update.revolution, update.T_map_base});
+  if ((message.flags & map_pose_t::LOST) == 0) sender_.add_pose({update.utime, update.revolution, update.T_map_base});
 }
 
 /// Records poses that are tracked.
@@ -237,13 +185,13 @@ void MapperNode::keep_pose(const MapperUpdate& update) {
 }
 
 void MapperNode::take_changes(std::int64_t now) {
-  mapper_->wait_grown();
+  mapper_->wait_inserted();
   const std::vector<TileKey> changed = mapper_->take_changed();
   const std::vector<TileKey> evicted = mapper_->take_evicted();
-  sender_.changed(mapper_->shows_start() ? mapper_->take_changed_of_start() : changed);
+  sender_.queue_tiles(mapper_->shows_start() ? mapper_->take_changed_of_start() : changed);
   sender_.forget(evicted);
   if (!journal_) return;
-  if (journal_->wants_anew(now)) journal_->start_epoch(epoch_, mapper_->recorded());
+  if (journal_->needs_restart(now)) journal_->start_epoch(epoch_, mapper_->recorded());
   journal_->set_rings(mapper_->rings());
   journal_->write(mapper_->grown(), mapper_->atlas(), changed, evicted, now);
 }
@@ -264,8 +212,7 @@ void MapperNode::caught_up(std::int64_t now) {
 }
 
 void MapperNode::tick(std::int64_t now) {
-  packets_.tick(now, [this](const lidar_points_t& packet) { assemble(packet); });
-  odometry_resend_.tick(now);
+  input_.tick(now);
   process_due(false);
   if (epoch_ == 0) return;
   sender_.send_trajectory();
@@ -273,17 +220,17 @@ void MapperNode::tick(std::int64_t now) {
   sender_.send_requested(mapper_->shown());
   if (std::abs(now - index_sent_) >= kIndexPeriod) send_index(now);
   keep_map();
-  if (std::exchange(is_pause_, true)) mapper_->use_the_pause();  // downstream services are done with the scan
+  if (std::exchange(is_pause_, true))
+    mapper_->begin_free_space_removal();  // downstream services are done with the scan
 }
 
 void MapperNode::finish() {
-  packets_.release([this](const lidar_points_t& packet) { assemble(packet); });
-  queue(assembler_.flush());
+  input_.flush();
   process_due(true);
   if (epoch_ == 0) return;
   take_changes(last_end_);
   if (mapper_->show_drive()) begin_epoch(last_end_ + 1);
-  sender_.changed(mapper_->finish());
+  sender_.queue_tiles(mapper_->finish());
   sender_.finish(mapper_->dense());
   send_index(last_end_);
   keep_map_at_the_end();
@@ -293,10 +240,9 @@ void MapperNode::finish() {
 NodeReport MapperNode::report() const {
   NodeReport report;
   report.counters = counters_;
+  input_.add_counters(report.counters);
   const Counters method = mapper_->counters();
-  for (const Counters* part : {&packets_.counters(), &odometry_resend_.counters(), &assembler_.counters(), &method}) {
-    for (const auto& [name, value] : part->values()) report.counters.add(name, value);
-  }
+  for (const auto& [name, value] : method.values()) report.counters.add(name, value);
   sensor_monitor_.add_counters(report.counters);
   if (saver_) {
     for (const auto& [name, value] : saver_->counters().values()) report.counters.add(name, value);
@@ -313,16 +259,11 @@ NodeReport MapperNode::report() const {
   if (!spill_file_->fault().empty()) report.faults.push_back("far tiles stay in memory: " + spill_file_->fault());
   if (saver_ && !saver_->fault().empty()) report.faults.push_back(saver_->fault());
   if (journal_ && !journal_->fault().empty()) report.faults.push_back(journal_->fault());
-  if (!why_new_map_.empty() && last_end_ - first_lidar_ < kReportedFor) report.faults.push_back(why_new_map_);
-  packets_.add_faults(report.faults);
+  if (!why_new_map_.empty() && last_end_ - input_.first_start() < kReportedFor) report.faults.push_back(why_new_map_);
+  input_.add_packet_faults(report.faults);
   sensor_monitor_.add_faults(report.faults);
   mapper_->add_faults(report.faults);
-  if (epoch_ != 0 && without_odometry_ >= kOdometryMissing)
-    report.faults.push_back("no usable ODOMETRY: assuming constant velocity");
-  if (too_late_ != 0 && last_end_ - too_late_ < kReportedFor)
-    report.faults.push_back(
-        fmt::format("{} revolutions went without odometry that came too late: a replay makes another map",
-                    counters_["odometry.too_late"]));
+  input_.add_odometry_faults(report.faults, epoch_ != 0, last_end_);
   if (mapper_->turn_refused()) {
     report.faults.push_back(
         "LiDAR: it turns otherwise than wheels and gyro: does something large drive along beside it, or are its stamps "

@@ -3,7 +3,6 @@
 #include <curbstone/lidar_points_t.hpp>
 #include <curbstone/odometry_t.hpp>
 #include <curbstone/tile_request_t.hpp>
-#include <deque>
 #include <optional>
 
 #include "common/bus/node.hpp"
@@ -13,20 +12,16 @@
 #include "services/mapper/journal/drive_journal.hpp"
 #include "services/mapper/map_sender.hpp"
 #include "services/mapper/mapper.hpp"
-#include "services/mapper/scan/odometry_history.hpp"
-#include "services/mapper/scan/odometry_resend.hpp"
-#include "services/mapper/scan/packet_intake.hpp"
-#include "services/mapper/scan/scan_assembler.hpp"
+#include "services/mapper/scan/scan_synchronizer.hpp"
 #include "services/mapper/storage/map_saver.hpp"
 
 namespace curbstone::mapper {
 
 /// Node of the mapper. In: LIDAR_POINTS and ODOMETRY. Out: MAP_POSE, MAP_POINTS and MAP_TRAJECTORY.
 ///
-/// A scan is processed once odometry has reached its end, or when lidar time shows that odometry is missing. So the map
-/// does not depend on how the two channels interleave. Packets and odometry that were lost on the bus are requested and
-/// waited for, in order, so the map does not depend on losses either. Points are published at a bounded rate, right
-/// after their scan and from tick(); the content of the map does not depend on the rate.
+/// The map does not depend on how the two channels interleave, nor on losses on the bus: see scan::ScanSynchronizer.
+/// Points are published at a bounded rate, right after their scan and from tick(); the content of the map does not
+/// depend on the rate.
 class MapperNode final : public Node {
  public:
   /// Throws MapFolderError if the map of an earlier drive cannot be used, JournalError if another process holds the
@@ -42,22 +37,14 @@ class MapperNode final : public Node {
   void on(const lidar_points_t& message);
   void on(const odometry_t& message);
   /// Messages that were sent again on request.
-  void on_again(const lidar_points_t& message);
-  void on_again(const odometry_t& message);
+  void on_resent(const lidar_points_t& message);
+  void on_resent(const odometry_t& message);
   void on(const tile_request_t& message);
 
   [[nodiscard]] const Mapper& mapper() const { return *mapper_; }
 
  private:
-  struct Pending {
-    scan::Scan scan;
-    std::int64_t since;  // us, lidar time when the scan was queued
-  };
-  void assemble(const lidar_points_t& packet);
-  void queue(std::optional<scan::Scan> scan);
   void process_due(bool last_call);
-  [[nodiscard]] bool due(const Pending& pending);
-  void note_late_odometry();
   void process(scan::Scan scan);
   void monitor_sensors(const MapperUpdate& update);
   /// Begins an epoch: the map begins, or has been rearranged and is sent again as a whole.
@@ -71,41 +58,36 @@ class MapperNode final : public Node {
   void keep_map();
   void keep_map_at_the_end();
   void begin_map();
-  void note_loaded();
   [[nodiscard]] bool resume_drive();
   void keep_pose(const MapperUpdate& update);
 
   config::MapperConfig config_;
   Publisher& bus_;
-  MapSender sender_;
-  scan::PacketIntake packets_;
-  scan::ScanAssembler assembler_;
-  scan::OdometryHistory odometry_;
-  scan::OdometryResend odometry_resend_;
+
+  // Input and the map.
+  scan::ScanSynchronizer input_;
   std::shared_ptr<SpillFile> spill_file_;  // tiles and keyframe scans far from the vehicle
   std::optional<Mapper> mapper_;           // always has a value
   detection::SensorMonitor sensor_monitor_;
-  std::deque<Pending> pending_;
-  std::int64_t first_lidar_ = 0;   // us, start of the first scan
-  std::int64_t first_heard_ = 0;   // us, lidar time when it was queued
-  std::int64_t last_end_ = 0;      // us, of the last scan processed
+  std::int64_t last_end_ = 0;                           // us, of the last scan processed
+  Eigen::Vector3d position_ = Eigen::Vector3d::Zero();  // m in map, after that scan
+  bool is_pause_ = false;                               // a tick has passed since that scan was processed
+
+  // Publication.
+  MapSender sender_;
   std::int32_t epoch_ = 0;         // 0: no map yet
   std::int32_t epoch_before_ = 0;  // of the map on disk or of the drive before, which a new epoch exceeds; 0: none
-  std::optional<storage::MapSaver> saver_;
-  std::optional<storage::MapVersions> loaded_;  // what the folder of the loaded map holds, until the first epoch
-  std::int64_t kept_ = 0;                       // us, when the map was last saved; 0: never
-  std::optional<journal::DriveJournal> journal_;
-  std::string why_new_map_;                           // why the previous drive was not continued
+  bool has_unsent_ = false;        // tiles of the last scan were not sent yet
+  std::int64_t index_sent_ = 0;    // us
   std::vector<journal::RecordedPose> resumed_drive_;  // of the mapper that died, until it is sent
   std::vector<journal::RecordedPose> start_drive_;    // of the first standstill, until it is over
-  Eigen::Vector3d position_ = Eigen::Vector3d::Zero();
 
-  bool has_unsent_ = false;  // tiles of the last scan were not sent yet
-  bool is_pause_ = false;    // a tick has passed since that scan was processed
-  std::int64_t index_sent_ = 0;
-  int without_odometry_ = 0;         // scans in a row
-  std::deque<std::int64_t> missed_;  // us, ends of scans that were processed before odometry reached them
-  std::int64_t too_late_ = 0;        // us, the newest of these whose odometry came later; 0: none
+  // Disk.
+  std::optional<storage::MapSaver> saver_;
+  std::optional<journal::DriveJournal> journal_;
+  std::string why_new_map_;  // why the previous drive was not continued
+
+  // Report.
   LatencyWindow latency_;
   Counters counters_;  // of the node, and of mappers before this one
 };

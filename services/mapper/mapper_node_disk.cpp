@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "common/config/config.hpp"
-#include "common/time/microseconds.hpp"
 #include "services/mapper/journal/journal_file.hpp"
 #include "services/mapper/mapper_node.hpp"
 #include "services/mapper/storage/map_folder.hpp"
@@ -14,11 +13,6 @@
 /// MapperNode: the map and the drive on disk.
 
 namespace curbstone::mapper {
-namespace {
-
-constexpr std::int64_t kOdometryBefore = 100'000;  // us before the first scan
-
-}  // namespace
 
 /// Loads the map of an earlier drive.
 void MapperNode::begin_map() {
@@ -33,14 +27,7 @@ void MapperNode::begin_map() {
     throw storage::MapFolderError(config_.folder + ": holds no nodes to find the vehicle by");
   epoch_before_ = map.epoch;
   mapper_->load(map);
-  if (saver_) loaded_ = mapper_->snapshot(map.epoch, {}).versions;
-}
-
-/// A loaded map does not change: its files need not be written again.
-void MapperNode::note_loaded() {
-  if (!loaded_) return;
-  loaded_->epoch = epoch_;
-  saver_->holds(*std::exchange(loaded_, std::nullopt));
+  if (saver_) saver_->set_loaded(mapper_->snapshot(map.epoch, {}).versions);
 }
 
 /// Continues the drive of a mapper that was killed a short time ago. True if there is one.
@@ -66,8 +53,7 @@ bool MapperNode::resume_drive() {
     const auto is_later = [&](const journal::RecordedPose& pose) { return pose.utime > settled; };
     drive->poses.erase(std::find_if(drive->poses.begin() + 1, drive->poses.end(), is_later), drive->poses.end());
     resumed_drive_ = drive->poses;
-    packets_.begin_at(drive->poses.back().utime);
-    odometry_.begin_at(drive->poses.back().utime - kOdometryBefore);
+    input_.begin_at(drive->poses.back().utime);
     mapper_->resume(std::move(*drive));
     return true;
   } catch (const journal::JournalError& error) {
@@ -98,18 +84,14 @@ void MapperNode::begin_new_drive() {
   epoch_before_ = std::exchange(epoch_, 0);
   resumed_drive_.clear();
   start_drive_.clear();
-  kept_ = 0;
-  first_lidar_ = last_end_;
-  if (without_odometry_ == 0) first_heard_ = packets_.newest();  // else no wait for odometry
+  input_.begin_drive(last_end_);
 }
 
 /// Saves the map every `save_every` of message time. Only changes are copied here; another thread writes them.
 void MapperNode::keep_map() {
-  if (!saver_ || config_.save_every <= 0) return;
-  if (kept_ == 0) kept_ = last_end_;
-  if (saver_->busy() || std::abs(last_end_ - kept_) < microseconds(config_.save_every)) return;
+  if (!saver_ || !saver_->is_due(last_end_)) return;
   if (mapper_->grown().is_moving()) return;  // the map is incomplete
-  kept_ = last_end_;
+  saver_->schedule_after(last_end_);
   mapper_->wait();
   saver_->begin(mapper_->snapshot(epoch_, saver_->on_disk()));
 }

@@ -16,7 +16,7 @@ class SendQueue {
   static constexpr double kNear = 40;  ///< m from the vehicle to a tile's middle: twice dense.max_range's default
 
   /// Sets the vehicle's position, m in map. Queued tiles that are near it now move to the near group.
-  void look_from(double x, double y) {
+  void set_position(double x, double y) {
     x_ = x;
     y_ = y;
     for (const TileKey& key : far_) {

@@ -11,20 +11,20 @@ constexpr double kShows = 0.5;  // s of standstill; a shorter one may be a drive
 
 }  // namespace
 
-StartMap::StartMap(const config::DenseConfig& config, const Pose& T_base_lidar, bool beside,
+StartMap::StartMap(const config::DenseConfig& config, const Pose& T_base_lidar, bool threaded,
                    std::shared_ptr<SpillFile> spill_file)
-    : config_(config), T_base_lidar_(T_base_lidar), beside_(beside), spill_file_(std::move(spill_file)) {}
+    : config_(config), T_base_lidar_(T_base_lidar), threaded_(threaded), spill_file_(std::move(spill_file)) {}
 
 bool StartMap::takes(const Standstill& standstill, std::int64_t utime) const {
   return !is_over_ && !standstill.has_moved && scan::seconds(standstill.began, utime) <= config_.start_hold_s;
 }
 
 StartMap::Worker& StartMap::map() {
-  if (!map_) map_ = std::make_unique<Worker>(config_, T_base_lidar_, beside_, spill_file_);
+  if (!map_) map_ = std::make_unique<Worker>(config_, T_base_lidar_, threaded_, spill_file_);
   return *map_;
 }
 
-void StartMap::grew(std::int64_t utime) {
+void StartMap::note_scan(std::int64_t utime) {
   if (began_ == 0) began_ = utime;
   if (scan::seconds(began_, utime) >= kShows) is_shown_ = true;
 }

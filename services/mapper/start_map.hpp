@@ -22,7 +22,7 @@ class StartMap {
   using Worker = dense_map::DenseWorker;
 
   /// Arguments as for DenseWorker. After `config.start_hold_s` a vehicle that has not moved is mapped all the same.
-  StartMap(const config::DenseConfig& config, const Pose& T_base_lidar, bool beside,
+  StartMap(const config::DenseConfig& config, const Pose& T_base_lidar, bool threaded,
            std::shared_ptr<SpillFile> spill_file);
 
   /// Whether the scan that ended at `utime` belongs to the first standstill.
@@ -30,7 +30,7 @@ class StartMap {
   /// The map for scans of the first standstill. The first call creates it.
   [[nodiscard]] Worker& map();
   /// A scan of the first standstill that ended at `utime`, us, was added to map().
-  void grew(std::int64_t utime);
+  void note_scan(std::int64_t utime);
   /// The drive's own map has grown from `began` to `utime`, us. Ends this map if that is long enough, or if this map is
   /// not shown. True if this map was shown and the drive's own map replaces it now.
   [[nodiscard]] bool end_if_replaced(std::int64_t began, std::int64_t utime);
@@ -49,7 +49,7 @@ class StartMap {
  private:
   config::DenseConfig config_;
   Pose T_base_lidar_;
-  bool beside_;
+  bool threaded_;
   std::shared_ptr<SpillFile> spill_file_;
   std::unique_ptr<Worker> map_;
   std::int64_t began_ = 0;  // us

@@ -38,22 +38,22 @@ class Trajectory {
                                                            const pose_graph::Atlas& atlas) const;
 
  private:
-  struct Footprint {
+  struct StoredPose {
     std::int64_t utime;
     std::int32_t revolution;
     std::int32_t node;
     Eigen::Vector3f position;     // of base_link in the node's frame, m
     Eigen::Quaternionf attitude;  // base_link to the node's frame
   };
-  /// A footprint and the pose by odometry at the same time.
-  struct Witness {
-    Footprint footprint;
+  /// A stored pose and the one by odometry at the same time.
+  struct OdometryPair {
+    StoredPose pose;
     Pose T_odom_base;
   };
-  [[nodiscard]] static Pose T_map_of(const Footprint& footprint, const pose_graph::Atlas& atlas);
+  [[nodiscard]] static Pose T_map_of(const StoredPose& pose, const pose_graph::Atlas& atlas);
 
-  std::vector<Footprint> footprints_;  // one every few centimetres
-  std::deque<Witness> witnesses_;      // of the last scans, all with odometry
+  std::vector<StoredPose> stored_poses_;     // one every few centimetres
+  std::deque<OdometryPair> odometry_pairs_;  // of the last scans, all with odometry
 };
 
 }  // namespace curbstone::mapper

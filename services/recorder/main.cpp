@@ -9,7 +9,7 @@ int main(int argc, char** argv) {
   return run_service<recorder::RecorderConfig>(
       argc, argv, {"recorder", kProcessSections, "Writes everything on the bus to an LCM log"},
       [](const recorder::RecorderConfig& config, ServiceContext& context) -> std::unique_ptr<Node> {
-        context.hear_large(config.large());
+        context.receive_large(config.large());
         return std::make_unique<recorder::RecorderNode>(config, context.everything, wall_clock());
       });
 }

@@ -114,10 +114,10 @@ class Vehicle {
   /// 50 ms of it.
   void drive_a_turn(std::int64_t& now) {
     for (int i = 0; i < kPacketsPerTurn; ++i, now += 50'000 / kPacketsPerTurn) {
-      if (i % 8 == 0) say("IMU", imu_at_rest(samples_), now);
-      if (i % 16 == 0) say("WHEELS", wheels_at(samples_ / 2), now);
+      if (i % 8 == 0) send("IMU", imu_at_rest(samples_), now);
+      if (i % 16 == 0) send("WHEELS", wheels_at(samples_ / 2), now);
       if (i % 8 == 0) ++samples_;
-      say("LIDAR_POINTS", points_of(packets_++), now);
+      send("LIDAR_POINTS", points_of(packets_++), now);
     }
     advance(now);
   }
@@ -135,7 +135,7 @@ class Vehicle {
   static constexpr std::int64_t kTick = 100'000;  // us
 
   template <class Message>
-  void say(const char* channel, Message message, std::int64_t now) {
+  void send(const char* channel, Message message, std::int64_t now) {
     message.utime = now;
     bus.publish(channel, message);
     bus.dispatch();

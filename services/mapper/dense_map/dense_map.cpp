@@ -7,28 +7,28 @@
 namespace curbstone::mapper::dense_map {
 namespace {
 
-constexpr std::int64_t kGiveUp = 3'000'000;       // us without a hit, after which a waiting voxel is dropped
-constexpr double kGroundSlope = 0.05;             // rate at which unseen ground may rise above the vehicle's plane
-constexpr std::int64_t kHousekeeping = 64;        // scans between
-constexpr std::uint32_t kHeldEvery = 4;           // scans between tests of a held voxel
-constexpr std::size_t kShareByScan = 16;          // divisor: share of the sleeping tiles that is spilled with each scan
-constexpr int kLookEvery = 4;                     // scans between free-space tests of a tile
-constexpr std::int64_t kRemoveEvery = 1'000'000;  // us: subscribers recount such a tile's votes
-constexpr double kWorldEdge = 90'000;             // m from the start, in either axis
-constexpr std::size_t kAhead = 12;                // points ahead for which memory is prefetched
-constexpr int kHighestStep = 32000;               // of a point from its tile's origin, up or down
-constexpr std::size_t kMovedAtOnce = 300'000;     // points, within the delay that a pose allows,
-constexpr std::size_t kMovedByScan = 100'000;     // and within the time of a scan
+constexpr std::int64_t kPendingTimeout = 3'000'000;  // us without a hit, after which a waiting voxel is dropped
+constexpr double kGroundSlope = 0.05;                // rate at which unseen ground may rise above the vehicle's plane
+constexpr std::int64_t kHousekeeping = 64;           // scans between
+constexpr std::uint32_t kHeldEvery = 4;              // scans between tests of a held voxel
+constexpr std::size_t kShareByScan = 16;  // divisor: share of the sleeping tiles that is spilled with each scan
+constexpr int kFreeSpacePeriod = 4;       // scans between free-space tests of a tile
+constexpr std::int64_t kMinRemovalInterval = 1'000'000;  // us: subscribers recount such a tile's votes
+constexpr double kMaxCoordinate = 90'000;                // m from the start, in either axis
+constexpr std::size_t kPrefetchAhead = 12;               // points ahead for which memory is prefetched
+constexpr int kMaxStep = 32000;                          // of a point from its tile's origin, up or down
+constexpr std::size_t kMaxMovedAtOnce = 300'000;         // points, within the delay that a pose allows,
+constexpr std::size_t kMaxMovedPerScan = 100'000;        // and within the time of a scan
 
 /// tile_at() of a point within the limits of the map.
 std::optional<TileKey> mapped_tile_at(const Eigen::Vector3d& p) {
-  if (!(std::abs(p.x()) < kWorldEdge && std::abs(p.y()) < kWorldEdge)) return std::nullopt;
+  if (!(std::abs(p.x()) < kMaxCoordinate && std::abs(p.y()) < kMaxCoordinate)) return std::nullopt;
   return TileKey{voxels::floor_to_int(p.x() / kTileSize), voxels::floor_to_int(p.y() / kTileSize)};
 }
 
 std::optional<TilePoint> point_in_tile(const Eigen::Vector3d& offset, std::uint8_t intensity) {
   const double z = offset.z() / kPositionStep;
-  if (!(std::abs(z) < kHighestStep)) return std::nullopt;
+  if (!(std::abs(z) < kMaxStep)) return std::nullopt;
   const auto in_plane = [](double v) {
     return static_cast<std::int16_t>(std::clamp(static_cast<int>(v / kPositionStep), 0, kStepsPerTile - 1));
   };
@@ -65,16 +65,16 @@ std::vector<TileKey> DenseMap::insert(const std::vector<scan::LidarPoint>& point
   up_ = T_map_base.linear().col(2);
   learn(points, T_map_base, utime);
   for (std::size_t i = 0; i < in_range_.size(); ++i) {
-    if (i + kAhead < in_range_.size()) prefetch(in_range_[i + kAhead]);
+    if (i + kPrefetchAhead < in_range_.size()) prefetch(in_range_[i + kPrefetchAhead]);
     hit(in_range_[i], utime, add_new);
   }
   std::vector<TileKey> grown = settle_all(utime, false);
   if (is_moving()) {
-    move_some(kMovedByScan, grown);
+    move_some(kMaxMovedPerScan, grown);
     sort_and_unite(grown);
   }
   if (round_ % kHousekeeping == 0) {
-    places_.forget_before(utime - 2 * kGiveUp);  // waiting voxels below such a place have been dropped before
+    places_.forget_before(utime - 2 * kPendingTimeout);  // waiting voxels below such a place have been dropped before
     bound_memory();
   }
   tiles_.spill(kShareByScan);
@@ -90,26 +90,26 @@ std::vector<TileKey> DenseMap::finish() {
   return changed;
 }
 
-std::vector<TileKey> DenseMap::look_through(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base,
-                                            const Pose& T_base_lidar, const scan::Twist& motion, std::int64_t utime,
-                                            const std::function<bool(std::int32_t)>& in_place) {
+std::vector<TileKey> DenseMap::clear_free_space(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base,
+                                                const Pose& T_base_lidar, const scan::Twist& motion, std::int64_t utime,
+                                                const std::function<bool(std::int32_t)>& in_place) {
   std::vector<TileKey> changed;
   const Pose T_map_lidar = T_map_base * T_base_lidar;
   const Eigen::Vector2d here = T_map_lidar.translation().head<2>();
   const auto low = mapped_tile_at({here.x() - config_.free_range, here.y() - config_.free_range, 0});
   const auto high = mapped_tile_at({here.x() + config_.free_range, here.y() + config_.free_range, 0});
   if (!(config_.free_range > 0) || !low || !high) return changed;
-  const SweepImage image(points, T_base_lidar, motion);
+  const RangeImage image(points, T_base_lidar, motion);
   const FreeSpace::View view{image, T_map_lidar.inverse(), config_.free_range, in_place};
   for (int x = low->x; x <= high->x; ++x) {
     for (int y = low->y; y <= high->y; ++y) {
-      if ((x + 3 * y + round_) % kLookEvery != 0) continue;
+      if ((x + 3 * y + round_) % kFreeSpacePeriod != 0) continue;
       DenseTile* const tile = tiles_.wake({x, y});
       if (tile == nullptr) continue;
-      std::vector<std::uint32_t> gone = free_space_.look(*tile, corner_of({x, y}, *tile), view);
+      std::vector<std::uint32_t> gone = free_space_.find_removed(*tile, corner_of({x, y}, *tile), view);
       if (gone.size() == tile->num_points() && !gone.empty())
         gone.pop_back();  // a published tile must not become empty
-      if (gone.empty() || utime - tile->removed_at() < kRemoveEvery) continue;
+      if (gone.empty() || utime - tile->removed_at() < kMinRemovalInterval) continue;
       tile->remove(gone, utime);
       const auto count = static_cast<std::int64_t>(gone.size());
       size_ -= count;
@@ -144,7 +144,7 @@ void DenseMap::learn(const std::vector<scan::LidarPoint>& points, const Pose& T_
     lowest = std::min(lowest, static_cast<float>(in_map.z()));
   }
   for (const Seen& seen : in_range_) {
-    if (seen.position.z() > ground_at(seen.position) + config_.ground_clearance) places_.see(seen.position, utime);
+    if (seen.position.z() > ground_at(seen.position) + config_.ground_clearance) places_.add_hit(seen.position, utime);
   }
 }
 
@@ -193,8 +193,8 @@ std::uint32_t DenseMap::new_waiting() {
 }
 
 bool DenseMap::may_be_moving(const Eigen::Vector3d& point, std::int64_t utime) {
-  if (point.z() > ground_at(point) + config_.ground_clearance) return !places_.stays(point);
-  return places_.passing_above(point, utime);
+  if (point.z() > ground_at(point) + config_.ground_clearance) return !places_.is_static(point);
+  return places_.moving_above(point, utime);
 }
 
 /// Whether the voxel stops waiting: it was added to the map or dropped.
@@ -214,7 +214,7 @@ bool DenseMap::settle(Waiting& waiting, std::int64_t utime, bool last_call) {
   const Eigen::Vector3d in_map =
       corner_of(waiting.tile, *tile) + kPositionStep * Eigen::Vector3d(point.x, point.y, point.z);
   if (may_be_moving(in_map, waiting.last)) {
-    const bool give_up = last_call || utime - waiting.last > kGiveUp;
+    const bool give_up = last_call || utime - waiting.last > kPendingTimeout;
     if (give_up) counters_.add("dense.transient");
     return give_up;
   }
@@ -254,7 +254,7 @@ void DenseMap::move(const std::vector<Pose>& corrections) {
   mover_ = TileMover(std::exchange(tiles_, no_tiles()), corrections, base_);
   forget_waiting();
   size_ = num_removals_ = 0;
-  move_some(kMovedAtOnce, moved);
+  move_some(kMaxMovedAtOnce, moved);
 }
 
 void DenseMap::move_some(std::size_t most, std::vector<TileKey>& grown) {
@@ -267,7 +267,7 @@ void DenseMap::move_some(std::size_t most, std::vector<TileKey>& grown) {
 
 void DenseMap::move_rest(std::vector<TileKey>& grown) {
   while (is_moving()) {
-    move_some(kMovedAtOnce, grown);
+    move_some(kMaxMovedAtOnce, grown);
     tiles_.spill(kAllAtOnce);
   }
 }

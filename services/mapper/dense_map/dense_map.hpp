@@ -48,9 +48,9 @@ class DenseMap {
   /// Removes points that the beams of the same scan, with those of earlier ones, passed through: see FreeSpace.
   /// `motion`: of base_link during the scan; `in_place`: whether an anchor's points are at their true place, or may be
   /// displaced by drift. Each call tests a part of the surroundings. Returns the tiles that changed, in order.
-  std::vector<TileKey> look_through(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base,
-                                    const Pose& T_base_lidar, const scan::Twist& motion, std::int64_t utime,
-                                    const std::function<bool(std::int32_t)>& in_place);
+  std::vector<TileKey> clear_free_space(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base,
+                                        const Pose& T_base_lidar, const scan::Twist& motion, std::int64_t utime,
+                                        const std::function<bool(std::int32_t)>& in_place);
   /// Sets the keyframe at the vehicle: points that settle from now on move with it.
   void set_anchor(std::int32_t anchor) { anchor_ = anchor; }
   /// Sets the common intensity scale for the scans inserted from now on; nullptr: intensities are taken unscaled.

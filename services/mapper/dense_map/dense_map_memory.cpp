@@ -41,7 +41,7 @@ void DenseMap::roll_back(std::int64_t utime) {
   move_rest(moved);
   forget_waiting();
   size_ = num_removals_ = 0;
-  tiles_.cut_after(utime);
+  tiles_.truncate_after(utime);
   tiles_.for_each([&](const DenseTile& tile) {
     size_ += static_cast<std::int64_t>(tile.num_points());
     num_removals_ += static_cast<std::int64_t>(tile.num_removals());

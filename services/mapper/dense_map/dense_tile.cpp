@@ -80,7 +80,7 @@ std::uint32_t DenseTile::voxel_number(const TilePoint& point) const {
 }
 
 void DenseTile::append_record(const TilePoint& record, std::int64_t utime, std::int32_t anchor) {
-  constexpr std::int64_t kLongestRun = 1'000'000;  // us: resolution of cut_after()
+  constexpr std::int64_t kLongestRun = 1'000'000;  // us: resolution of truncate_after()
   std::vector<Run>& runs = content_.runs;
   if (runs.empty() || runs.back().anchor != anchor || std::abs(utime - runs.back().utime) > kLongestRun) {
     runs.push_back({anchor, static_cast<std::int32_t>(content_.records.size()), utime});
@@ -94,8 +94,8 @@ void DenseTile::append_record(const TilePoint& record, std::int64_t utime, std::
 void DenseTile::append(const TilePoint& point, std::int64_t utime, std::int32_t anchor) {
   append_record(point, utime, anchor);
   occupied_.insert(voxel_number(point));
-  make_room(1, seen_through_);
-  seen_through_.push_back(0);
+  make_room(1, num_passes_);
+  num_passes_.push_back(0);
 }
 
 void DenseTile::remove(const std::vector<std::uint32_t>& records, std::int64_t utime) {
@@ -103,8 +103,8 @@ void DenseTile::remove(const std::vector<std::uint32_t>& records, std::int64_t u
     const TilePoint point = content_.records[record];
     append_record(removal_of(point), utime, content_.runs.back().anchor);
     occupied_.erase(voxel_number(point));
-    seen_through_[record] = kGone;
-    seen_through_.push_back(kGone);
+    num_passes_[record] = kRemoved;
+    num_passes_.push_back(kRemoved);
     ++num_removals_;
   }
   removed_at_ = utime;
@@ -124,14 +124,14 @@ void DenseTile::set_vacated(int column) {
   vacated_[static_cast<std::size_t>(column)] = true;
 }
 
-bool DenseTile::cut_after(std::int64_t utime) {
+bool DenseTile::truncate_after(std::int64_t utime) {
   if (newest_run_ <= utime) {
     utime_ = newest_run_;
     release_memory(vacated_);
     if (!asleep_) index_points();
     return true;
   }
-  if (!bring_back()) return false;
+  if (!unspill()) return false;
   packed_ = {};
   const TileRecords old = std::exchange(content_, {});
   utime_ = 0;
@@ -179,7 +179,7 @@ void DenseTile::sleep() {
   content_.runs.shrink_to_fit();
   occupied_ = NumberSet();
   release_memory(lowest_);
-  release_memory(seen_through_);
+  release_memory(num_passes_);
   release_memory(vacated_);
 }
 
@@ -195,7 +195,7 @@ bool DenseTile::spill(SpillFile& file) {
   return true;
 }
 
-bool DenseTile::bring_back() {
+bool DenseTile::unspill() {
   if (!is_spilled_) return true;
   try {
     content_ = packed_.read();
@@ -208,13 +208,13 @@ bool DenseTile::bring_back() {
 
 std::size_t DenseTile::bytes() const {
   return bytes_of(content_.records) + bytes_of(content_.runs) + occupied_.bytes() + bytes_of(lowest_) +
-         bytes_of(seen_through_) + vacated_.capacity() / 8;
+         bytes_of(num_passes_) + vacated_.capacity() / 8;
 }
 
 bool DenseTile::wake() {
   if (!asleep_) return true;
-  is_refused_ = is_refused_ || !bring_back();
-  if (is_refused_) return false;
+  read_failed_ = read_failed_ || !unspill();
+  if (read_failed_) return false;
   asleep_ = false;
   has_slept_ = true;
   index_points();
@@ -225,11 +225,11 @@ void DenseTile::index_points() {
   occupied_ = NumberSet();
   lowest_.assign(kColumns * kColumns, std::numeric_limits<float>::infinity());
   const std::vector<bool> there = num_removals_ > 0 ? content_.standing() : std::vector<bool>();
-  seen_through_.assign(content_.records.size(), kGone);
+  num_passes_.assign(content_.records.size(), kRemoved);
   for (std::size_t i = 0; i < content_.records.size(); ++i) {
     if (num_removals_ > 0 && !there[i]) continue;
     const TilePoint& point = content_.records[i];
-    seen_through_[i] = 0;
+    num_passes_[i] = 0;
     occupied_.insert(voxel_number(point), has_slept_);
     float& low = lowest(point.x * kColumns / kStepsPerTile, point.y * kColumns / kStepsPerTile);
     low = std::min(low, static_cast<float>(z_origin_ + point.z * kPositionStep));

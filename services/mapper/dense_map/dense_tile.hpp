@@ -58,7 +58,7 @@ class DenseTile {
   /// Prefetches for a call of occupied() some points later.
   void prefetch(std::uint32_t voxel) const { occupied_.prefetch(voxel); }
   /// Whether the voxel is occupied, and already was when the tile woke: by an earlier visit.
-  [[nodiscard]] bool knew(std::uint32_t voxel) const { return has_slept_ && occupied_.is_marked(voxel); }
+  [[nodiscard]] bool was_occupied(std::uint32_t voxel) const { return has_slept_ && occupied_.is_marked(voxel); }
   [[nodiscard]] bool has_slept() const { return has_slept_; }
   /// Adds a point; its voxel must not be occupied. `utime`: us, of the scan in which the point settled; `anchor`: the
   /// keyframe at the vehicle then.
@@ -69,7 +69,7 @@ class DenseTile {
   void restore(TileRecords records);
   /// Discards the runs that began after `utime`, us: the points that they removed are restored. A spilled tile is read
   /// only if it has such runs, and stays in memory then. False if the file cannot be read.
-  [[nodiscard]] bool cut_after(std::int64_t utime);
+  [[nodiscard]] bool truncate_after(std::int64_t utime);
   /// Stamp of the newest point, us. It depends on the content alone, not on when or in how many messages it is sent.
   [[nodiscard]] std::int64_t utime() const { return utime_; }
 
@@ -81,11 +81,11 @@ class DenseTile {
     return lowest(point.x * kColumns / kStepsPerTile, point.y * kColumns / kStepsPerTile);
   }
 
-  /// Number of recent scans whose beams passed through a point, by its record; kGone: the point is not there. Discarded
-  /// in sleep.
-  static constexpr std::uint8_t kGone = 255;
-  [[nodiscard]] std::uint8_t& seen_through(std::size_t record) { return seen_through_[record]; }
-  [[nodiscard]] bool there(std::size_t record) const { return seen_through_[record] != kGone; }
+  /// Number of recent scans whose beams passed through a point, by its record; kRemoved: the point is not there.
+  /// Discarded in sleep.
+  static constexpr std::uint8_t kRemoved = 255;
+  [[nodiscard]] std::uint8_t& num_passes(std::size_t record) { return num_passes_[record]; }
+  [[nodiscard]] bool is_present(std::size_t record) const { return num_passes_[record] != kRemoved; }
   /// Columns of 0.2 m above which something was removed. Discarded in sleep.
   static constexpr int kVacatedColumns = 15;
   [[nodiscard]] bool vacated(int column) const {
@@ -107,7 +107,7 @@ class DenseTile {
   /// Reads the records back if necessary and builds the indexes. False if the file cannot be read: the tile stays
   /// spilled, and wake() does not read again before try_again().
   [[nodiscard]] bool wake();
-  void try_again() { is_refused_ = false; }
+  void allow_retry() { read_failed_ = false; }
   /// The packed records of a spilled tile.
   [[nodiscard]] const PackedRecords& packed() const { return packed_; }
   /// Memory that the tile has allocated, without its own size and what is spilled, in bytes.
@@ -119,12 +119,12 @@ class DenseTile {
   bool asleep_ = false;
   bool has_slept_ = false;
   bool is_spilled_ = false;
-  bool is_refused_ = false;  // the file could not be read
+  bool read_failed_ = false;  // the file could not be read
   std::int64_t utime_ = 0;
   std::int64_t newest_run_ = 0;  // us
   void index_points();
   void append_record(const TilePoint& record, std::int64_t utime, std::int32_t anchor);
-  [[nodiscard]] bool bring_back();
+  [[nodiscard]] bool unspill();
   std::int64_t removed_at_ = 0;
   std::size_t num_removals_ = 0;
   TileRecords content_;         // empty while spilled
@@ -132,7 +132,7 @@ class DenseTile {
   std::size_t num_packed_ = 0;  // records
   NumberSet occupied_;
   std::vector<float> lowest_;
-  std::vector<std::uint8_t> seen_through_;
+  std::vector<std::uint8_t> num_passes_;
   std::vector<bool> vacated_;
 };
 

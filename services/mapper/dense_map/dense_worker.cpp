@@ -20,24 +20,24 @@ void grow(DenseMap& map, const DenseWork& work, Keys& changed) {
   }
 }
 
-void look_through(DenseMap& map, const DenseWork& work, const Pose& T_base_lidar, Keys& changed) {
+void clear_free_space(DenseMap& map, const DenseWork& work, const Pose& T_base_lidar, Keys& changed) {
   const DenseWork::Insertion& last = work.insertions.back();
   const auto in_place = [&](std::int32_t anchor) {
-    if (anchor == DenseMap::kFixed) return work.look->on_known_map;
+    if (anchor == DenseMap::kFixed) return work.removal->on_known_map;
     const auto node = static_cast<std::size_t>(anchor);
-    return node < work.look->present.size() && work.look->present[node];
+    return node < work.removal->present.size() && work.removal->present[node];
   };
   append(changed,
-         map.look_through(*last.points, last.T_map_base, T_base_lidar, work.look->motion, last.utime, in_place));
+         map.clear_free_space(*last.points, last.T_map_base, T_base_lidar, work.removal->motion, last.utime, in_place));
 }
 
 }  // namespace
 
-DenseWorker::DenseWorker(const config::DenseConfig& config, const Pose& T_base_lidar, bool beside,
+DenseWorker::DenseWorker(const config::DenseConfig& config, const Pose& T_base_lidar, bool threaded,
                          std::shared_ptr<SpillFile> spill_file)
     : map_(config, std::move(spill_file)),
       T_base_lidar_(T_base_lidar),
-      policy_(beside ? std::launch::async : std::launch::deferred) {}
+      policy_(threaded ? std::launch::async : std::launch::deferred) {}
 
 DenseWorker::~DenseWorker() {
   if (under_way_.valid()) under_way_.wait();
@@ -45,28 +45,28 @@ DenseWorker::~DenseWorker() {
 
 void DenseWorker::begin(DenseWork work) {
   const auto next = std::make_shared<const DenseWork>(std::move(work));
-  start(std::exchange(to_look_, nullptr), next);
-  if (next->look) to_look_ = next;
+  start(std::exchange(pending_removal_, nullptr), next);
+  if (next->removal) pending_removal_ = next;
 }
 
-void DenseWorker::look() {
-  if (to_look_) start(std::exchange(to_look_, nullptr), nullptr);
+void DenseWorker::begin_free_space_removal() {
+  if (pending_removal_) start(std::exchange(pending_removal_, nullptr), nullptr);
 }
 
-void DenseWorker::start(const Work& to_look, const Work& to_grow) {
-  wait_grown();
-  under_way_ = std::async(policy_, [this, to_look, to_grow] {
+void DenseWorker::start(const Work& to_clear, const Work& to_insert) {
+  wait_inserted();
+  under_way_ = std::async(policy_, [this, to_clear, to_insert] {
     Result result;
-    if (to_look) look_through(map_, *to_look, T_base_lidar_, result.changed);
-    if (to_grow) {
-      grow(map_, *to_grow, result.changed);
+    if (to_clear) clear_free_space(map_, *to_clear, T_base_lidar_, result.changed);
+    if (to_insert) {
+      grow(map_, *to_insert, result.changed);
       result.grown = {map_.num_removals(), map_.is_moving()};
     }
     return result;
   });
 }
 
-void DenseWorker::wait_grown() {
+void DenseWorker::wait_inserted() {
   if (!under_way_.valid()) return;
   const Result result = under_way_.get();
   append(changed_, result.changed);
@@ -75,8 +75,8 @@ void DenseWorker::wait_grown() {
 }
 
 void DenseWorker::wait() {
-  look();
-  wait_grown();
+  begin_free_space_removal();
+  wait_inserted();
 }
 
 void DenseWorker::load(TileKey key, std::int32_t z_origin, std::int64_t utime, const std::vector<TilePoint>& points) {
@@ -116,12 +116,12 @@ void DenseWorker::note_change() {
 }
 
 const DenseMap& DenseWorker::map() const {
-  if (to_look_) throw std::logic_error("DenseWorker::map: what has left is still to be removed: wait() first");
+  if (pending_removal_) throw std::logic_error("DenseWorker::map: what has left is still to be removed: wait() first");
   return grown();
 }
 
 const DenseMap& DenseWorker::grown() const {
-  if (under_way_.valid()) throw std::logic_error("DenseWorker: the map is being worked on: wait_grown() first");
+  if (under_way_.valid()) throw std::logic_error("DenseWorker: the map is being worked on: wait_inserted() first");
   return map_;
 }
 

@@ -27,26 +27,27 @@ struct DenseWork {
     std::shared_ptr<const intensity::RingTable> scale = nullptr;  ///< of their intensities: DenseMap::set_scale()
   };
   /// Parameters of free-space removal, which uses the points of the last insertion.
-  struct Look {
+  struct FreeSpaceRemoval {
     scan::Twist motion;         ///< during the scan
     std::vector<bool> present;  ///< by anchor: its points are at their true place
     bool on_known_map = false;  ///< likewise for all points of an earlier drive, together
   };
   std::vector<Insertion> insertions;
-  std::optional<Look> look;
+  std::optional<FreeSpaceRemoval> removal;
 };
 
 /// Updates the dense map in a thread of its own: the pose does not depend on it, and it costs as much as the pose.
-/// First the insertions are done. Free-space removal, the look, begins with look(), or before any other operation on
-/// the map. So the map is a function of the calls, with or without a second thread. Calls come from one thread.
+/// First the insertions are done. Free-space removal begins with begin_free_space_removal(), or before any other
+/// operation on the map. So the map is a function of the calls, with or without a second thread. Calls come from one
+/// thread.
 ///
 /// Only the calls that say so wait. The const calls never wait: they throw std::logic_error if what they return is
 /// still being worked on.
 class DenseWorker {
  public:
-  /// `beside`: in a thread of its own; otherwise the work is done within the wait for it. `spill_file`: as for
+  /// `threaded`: in a thread of its own; otherwise the work is done within the wait for it. `spill_file`: as for
   /// DenseMap.
-  DenseWorker(const config::DenseConfig& config, const Pose& T_base_lidar, bool beside,
+  DenseWorker(const config::DenseConfig& config, const Pose& T_base_lidar, bool threaded,
               std::shared_ptr<SpillFile> spill_file = std::make_shared<SpillFile>());
   ~DenseWorker();
   DenseWorker(const DenseWorker&) = delete;
@@ -54,11 +55,11 @@ class DenseWorker {
 
   /// Begins work. Waits for earlier work first.
   void begin(DenseWork work);
-  /// Begins the look of the last work unless it has begun. Waits for the current work only if there is such a look.
-  void look();
-  /// Waits until the insertions are done. The look may still be pending.
-  void wait_grown();
-  /// Waits until all work is done, including the look.
+  /// Begins the free-space removal of the last work unless it has begun. Waits for the current work only then.
+  void begin_free_space_removal();
+  /// Waits until the insertions are done. Free-space removal may still be pending.
+  void wait_inserted();
+  /// Waits until all work is done, including free-space removal.
   void wait();
 
   /// The following call DenseMap's functions of the same name. They wait until all work is done first.
@@ -70,7 +71,7 @@ class DenseWorker {
 
   /// The map. To be called after wait(), or after a call that changes the map.
   [[nodiscard]] const DenseMap& map() const;
-  /// The map after the insertions. To be called after wait_grown().
+  /// The map after the insertions. To be called after wait_inserted().
   [[nodiscard]] const DenseMap& grown() const;
 
   /// DenseMap::num_removals() after the last insertions or other change.
@@ -81,9 +82,9 @@ class DenseWorker {
   [[nodiscard]] const Counters& counters() const { return counters_; }
   /// Tiles changed since the last call, by the work that has been waited for; a tile may be listed more than once.
   [[nodiscard]] std::vector<TileKey> take_changed();
-  /// Makes take_changed() return all tiles. To be called after wait_grown().
+  /// Makes take_changed() return all tiles. To be called after wait_inserted().
   void note_all_changed() { changed_ = grown().keys(); }
-  /// Tiles that were evicted for memory. To be called after wait_grown().
+  /// Tiles that were evicted for memory. To be called after wait_inserted().
   [[nodiscard]] std::vector<TileKey> take_evicted();
 
  private:
@@ -97,14 +98,14 @@ class DenseWorker {
     std::vector<TileKey> changed;
     std::optional<Grown> grown;  // nothing: the insertions are not done
   };
-  void start(const Work& to_look, const Work& to_grow);
+  void start(const Work& to_clear, const Work& to_insert);
   void note_change();
 
   DenseMap map_;  // owned by the task while one is running
   Pose T_base_lidar_;
   std::launch policy_;
   std::future<Result> under_way_;
-  Work to_look_;  // work whose look has not begun
+  Work pending_removal_;  // work whose free-space removal has not begun
   std::vector<TileKey> changed_;
   Grown grown_;
   Counters counters_;

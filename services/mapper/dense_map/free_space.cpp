@@ -14,11 +14,11 @@ constexpr int kLayers = 60;                          // cells, half of them belo
 constexpr int kLayer = kAcross * kAcross;            // cells in one
 constexpr int kBelowAll = 400;                       // cells: below every int16
 constexpr auto kRecordStep = static_cast<float>(kPositionStep);
-constexpr std::uint8_t kOften = 2;                  // scans whose beams passed through, for a point to count as free
+constexpr std::uint8_t kMinScansThrough = 2;        // scans whose beams passed through, for a point to count as free
 constexpr std::uint8_t kMaxScansThrough = 4;        // scans that are counted at most
 constexpr float kLowClearance = 0.06F;              // m above the column's lowest point, below an object that is gone
-constexpr SweepImage::Margins kHigh{0.30F, 0.50F};  // m: the depth of an obstacle, and a clear margin beyond
-constexpr SweepImage::Margins kLow{0.12F, 0.15F};   // m: near the ground
+constexpr RangeImage::Margins kHigh{0.30F, 0.50F};  // m: the depth of an obstacle, and a clear margin beyond
+constexpr RangeImage::Margins kLow{0.12F, 0.15F};   // m: near the ground
 static_assert(DenseTile::kVacatedColumns == kAcross);
 
 }  // namespace
@@ -26,7 +26,7 @@ static_assert(DenseTile::kVacatedColumns == kAcross);
 FreeSpace::FreeSpace(double ground_clearance)
     : ground_clearance_(static_cast<float>(ground_clearance)), cells_(kLayers * kLayer) {}
 
-/// First pass: the sighting of each candidate, and the cells in which a beam ended.
+/// First pass: the occupancy of each candidate, and the cells in which a beam ended.
 void FreeSpace::gather(DenseTile& tile, const Eigen::Vector3d& corner, const View& view) {
   const Eigen::Vector3d lidar = view.T_lidar_map.inverse().translation();
   const int layers_below = voxels::floor_to_int((lidar.z() - corner.z()) / (kCellSteps * kPositionStep)) - kLayers / 2;
@@ -39,7 +39,7 @@ void FreeSpace::gather(DenseTile& tile, const Eigen::Vector3d& corner, const Vie
     if (!view.in_place(content->runs[run].anchor)) continue;
     const std::size_t end = content->end_of(run);
     for (auto i = static_cast<std::size_t>(content->runs[run].first); i < end; ++i) {
-      if (!tile.there(i)) continue;
+      if (!tile.is_present(i)) continue;
       const TilePoint& p = content->records[i];
       const float above = z_origin + kRecordStep * static_cast<float>(p.z) - tile.lowest_at(p);
       const int column = p.y / kCellSteps * kAcross + p.x / kCellSteps;
@@ -50,40 +50,40 @@ void FreeSpace::gather(DenseTile& tile, const Eigen::Vector3d& corner, const Vie
       const Eigen::Vector3f in_lidar = offset + turn * (kRecordStep * Eigen::Vector3f(p.x, p.y, p.z));
       if (in_lidar.squaredNorm() > reach2) continue;
       const auto cell = static_cast<std::uint32_t>(layer * kLayer + column);
-      const Sighting sighting = view.image.look(in_lidar, high ? kHigh : kLow);
+      const Occupancy occupancy = view.image.classify(in_lidar, high ? kHigh : kLow);
       ++cells_[cell].points;
-      cells_[cell].there |= sighting == Sighting::kThere;
-      candidates_.push_back({static_cast<std::uint32_t>(i), cell, sighting == Sighting::kThrough});
+      cells_[cell].hit |= occupancy == Occupancy::kOccupied;
+      candidates_.push_back({static_cast<std::uint32_t>(i), cell, occupancy == Occupancy::kFree});
     }
   }
 }
 
 /// Whether a beam ended in the cell or in one that shares a face with it, within the tile.
-bool FreeSpace::met_about(std::uint32_t cell) const {
-  if (cells_[cell].there) return true;
+bool FreeSpace::hit_nearby(std::uint32_t cell) const {
+  if (cells_[cell].hit) return true;
   const int x = static_cast<int>(cell) % kAcross, y = static_cast<int>(cell) / kAcross % kAcross;
   const int z = static_cast<int>(cell) / kLayer;
-  return (x > 0 && cells_[cell - 1].there) || (x + 1 < kAcross && cells_[cell + 1].there) ||
-         (y > 0 && cells_[cell - kAcross].there) || (y + 1 < kAcross && cells_[cell + kAcross].there) ||
-         (z > 0 && cells_[cell - kLayer].there) || (z + 1 < kLayers && cells_[cell + kLayer].there);
+  return (x > 0 && cells_[cell - 1].hit) || (x + 1 < kAcross && cells_[cell + 1].hit) ||
+         (y > 0 && cells_[cell - kAcross].hit) || (y + 1 < kAcross && cells_[cell + kAcross].hit) ||
+         (z > 0 && cells_[cell - kLayer].hit) || (z + 1 < kLayers && cells_[cell + kLayer].hit);
 }
 
-std::vector<std::uint32_t> FreeSpace::look(DenseTile& tile, const Eigen::Vector3d& corner, const View& view) {
+std::vector<std::uint32_t> FreeSpace::find_removed(DenseTile& tile, const Eigen::Vector3d& corner, const View& view) {
   candidates_.clear();
   gather(tile, corner, view);
   for (const Candidate& candidate : candidates_) {
-    std::uint8_t& through = tile.seen_through(candidate.record);
-    if ((through > 0 || candidate.through) && met_about(candidate.cell)) {
+    std::uint8_t& through = tile.num_passes(candidate.record);
+    if ((through > 0 || candidate.through) && hit_nearby(candidate.cell)) {
       through = 0;
     } else if (candidate.through) {
       through = static_cast<std::uint8_t>(std::min<int>(through + 1, kMaxScansThrough));
     }
-    cells_[candidate.cell].free += through >= kOften ? 1 : 0;
+    cells_[candidate.cell].free += through >= kMinScansThrough ? 1 : 0;
   }
   std::vector<std::uint32_t> gone;
   for (const Candidate& candidate : candidates_) {
     const Cell& cell = cells_[candidate.cell];
-    if (cell.free == 0 || 2 * cell.free < cell.points || cell.there) continue;
+    if (cell.free == 0 || 2 * cell.free < cell.points || cell.hit) continue;
     gone.push_back(candidate.record);
     tile.set_vacated(static_cast<int>(candidate.cell) % kLayer);
   }

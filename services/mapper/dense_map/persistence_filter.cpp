@@ -16,7 +16,7 @@ Eigen::Vector3i cell_of(const Eigen::Vector3d& p) {
 
 }  // namespace
 
-void PersistenceFilter::see(const Eigen::Vector3d& point, std::int64_t utime) {
+void PersistenceFilter::add_hit(const Eigen::Vector3d& point, std::int64_t utime) {
   const Eigen::Vector3i cell = cell_of(point);
   std::uint32_t& at = index_.place(cell);
   if (at == voxels::BlockIndex::kNone) {
@@ -29,19 +29,19 @@ void PersistenceFilter::see(const Eigen::Vector3d& point, std::int64_t utime) {
   place.last = utime;
 }
 
-bool PersistenceFilter::stays(const Eigen::Vector3d& point) const {
+bool PersistenceFilter::is_static(const Eigen::Vector3d& point) const {
   const std::uint32_t at = index_.find(cell_of(point));
-  return at != voxels::BlockIndex::kNone && stays(places_[at]);
+  return at != voxels::BlockIndex::kNone && is_static(places_[at]);
 }
 
-bool PersistenceFilter::passing_above(const Eigen::Vector3d& point, std::int64_t utime) const {
+bool PersistenceFilter::moving_above(const Eigen::Vector3d& point, std::int64_t utime) const {
   voxels::BlockIndex::Finder find(index_);
   const Eigen::Vector3i cell = cell_of(point);
   const int low = voxels::floor_to_int(point.z() / kHeight), high = voxels::floor_to_int((point.z() + 1.0) / kHeight);
   for (int z = low; z <= high; ++z) {
     for (const auto& [dx, dy] : {std::pair{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
       const std::uint32_t at = find({cell.x() + dx, cell.y() + dy, z});
-      if (at != voxels::BlockIndex::kNone && !stays(places_[at]) && utime - places_[at].last <= kBreak) return true;
+      if (at != voxels::BlockIndex::kNone && !is_static(places_[at]) && utime - places_[at].last <= kBreak) return true;
     }
   }
   return false;

@@ -17,12 +17,12 @@ class PersistenceFilter {
   explicit PersistenceFilter(std::int64_t persistence) : persistence_(persistence) {}
 
   /// Reports a hit at `point` (m, map) at `utime` (us).
-  void see(const Eigen::Vector3d& point, std::int64_t utime);
+  void add_hit(const Eigen::Vector3d& point, std::int64_t utime);
   /// Whether the point's place has been occupied for long enough.
-  [[nodiscard]] bool stays(const Eigen::Vector3d& point) const;
+  [[nodiscard]] bool is_static(const Eigen::Vector3d& point) const;
   /// Whether something not known to be static was within a metre above the point, or beside that, when the point was
   /// seen: wheels, feet and the lower halves of bumpers are low.
-  [[nodiscard]] bool passing_above(const Eigen::Vector3d& point, std::int64_t utime) const;
+  [[nodiscard]] bool moving_above(const Eigen::Vector3d& point, std::int64_t utime) const;
 
   /// Drops places without a hit after `utime`, us.
   void forget_before(std::int64_t utime);
@@ -35,7 +35,7 @@ class PersistenceFilter {
     std::int64_t first;  // us
     std::int64_t last;   // us
   };
-  [[nodiscard]] bool stays(const Place& place) const { return place.last - place.first >= persistence_; }
+  [[nodiscard]] bool is_static(const Place& place) const { return place.last - place.first >= persistence_; }
 
   std::int64_t persistence_;
   std::vector<Place> places_;

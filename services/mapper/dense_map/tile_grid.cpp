@@ -92,11 +92,11 @@ void TileGrid::spill(std::size_t share) {
   }
 }
 
-void TileGrid::cut_after(std::int64_t utime) {
+void TileGrid::truncate_after(std::int64_t utime) {
   recent_.fill({});
   for (auto it = tiles_.begin(); it != tiles_.end();) {
     const bool was_away = it->second.is_spilled();
-    if (!it->second.cut_after(utime)) {
+    if (!it->second.truncate_after(utime)) {
       it = tiles_.erase(it);
       continue;
     }
@@ -109,7 +109,7 @@ std::vector<TileKey> TileGrid::sleep_beyond(const Eigen::Vector3d& place, double
   recent_.fill({});
   std::vector<std::pair<double, TileKey>> far;
   for (auto& [key, tile] : tiles_) {
-    tile.try_again();
+    tile.allow_retry();
     const double d = distance_of(key, place);
     if (d < distance) continue;
     fall_asleep(key, tile);
@@ -152,7 +152,7 @@ bool TileGrid::known_beside(TileKey key, const DenseTile& tile, const TilePoint&
     if (std::abs(z) > std::numeric_limits<std::int16_t>::max()) continue;
     const TilePoint beside{static_cast<std::int16_t>(at.x() - east * kStepsPerTile),
                            static_cast<std::int16_t>(at.y() - north * kStepsPerTile), static_cast<std::int16_t>(z), 0};
-    if (there->knew(there->voxel_number(beside))) return true;
+    if (there->was_occupied(there->voxel_number(beside))) return true;
   }
   return false;
 }

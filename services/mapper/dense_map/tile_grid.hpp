@@ -54,8 +54,8 @@ class TileGrid {
   void for_each(Visit visit) const {
     for (const auto& [key, tile] : tiles_) visit(tile);
   }
-  /// Calls DenseTile::cut_after() on every tile. Tiles that the file cannot return are deleted.
-  void cut_after(std::int64_t utime);
+  /// Calls DenseTile::truncate_after() on every tile. Tiles that the file cannot return are deleted.
+  void truncate_after(std::int64_t utime);
 
   /// Spills records of the tiles that have slept for longest, which frees most of their memory: one in `share` of the
   /// sleeping tiles with records in memory. The newest ones are kept, so that tiles that come and go at the rim cost

@@ -5,10 +5,10 @@ namespace curbstone::mapper::detection {
 void SensorMonitor::clean(scan::Scan& scan) {
   const bool moved = (position_ - looked_).norm() >= returns::LaserElevations::kStep;
   if (moved) looked_ = position_;
-  if (moved) sectors_.look(scan);
-  ground_.look(scan, moved);
+  if (moved) sectors_.check(scan);
+  ground_.check(scan, moved);
   strays_.filter(scan);
-  lasers_.look(scan, moved);
+  lasers_.check(scan, moved);
   if (lasers_.any_wrong()) lasers_.withhold(scan);
 }
 

@@ -11,10 +11,10 @@
 namespace curbstone::mapper::journal {
 namespace {
 
-constexpr std::int64_t kRetry = 60'000'000;         // us
-constexpr std::int64_t kRetryWithRoom = 2'000'000;  // us, after a full disk
-constexpr std::int64_t kSignOfLife = 1'000'000;     // us: longest interval between two batches
-constexpr std::size_t kWorthwhile = 1'000'000;      // bytes
+constexpr std::int64_t kRetry = 60'000'000;           // us
+constexpr std::int64_t kRetryWithRoom = 2'000'000;    // us, after a full disk
+constexpr std::int64_t kKeepAlivePeriod = 1'000'000;  // us: longest interval between two batches
+constexpr std::size_t kWorthwhile = 1'000'000;        // bytes
 
 }  // namespace
 
@@ -26,12 +26,12 @@ void DriveJournal::start_epoch(std::int32_t epoch, std::vector<RecordedPose> dri
   failed_ = 0;
 }
 
-bool DriveJournal::wants_anew(std::int64_t now) const {
+bool DriveJournal::needs_restart(std::int64_t now) const {
   if (failed_ != 0) {
     if (writer_.is_full()) return false;
     return now - failed_ >= kRetry || (now - failed_ >= kRetryWithRoom && writer_.has_room_again());
   }
-  return !begins_ && of_gone_tiles_ > std::max(kWorthwhile, writer_.bytes() / 2);
+  return !begins_ && evicted_bytes_ > std::max(kWorthwhile, writer_.bytes() / 2);
 }
 
 void DriveJournal::add(const RecordedPose& pose) {
@@ -53,7 +53,7 @@ void DriveJournal::write(const dense_map::DenseMap& map, const pose_graph::Atlas
     changed_.erase(key);
     const auto written = tiles_.find(key);
     if (written == tiles_.end()) continue;
-    of_gone_tiles_ += written->second.bytes;
+    evicted_bytes_ += written->second.bytes;
     tiles_.erase(written);
     evicted_.push_back(key);
   }
@@ -68,7 +68,7 @@ void DriveJournal::write(const dense_map::DenseMap& map, const pose_graph::Atlas
   }
   if (!writer_.fault().empty()) return give_up(now, writer_.fault());
   items += new_items(map, atlas);
-  if (items.empty() && now - appended_ < kSignOfLife && now >= appended_) return;
+  if (items.empty() && now - appended_ < kKeepAlivePeriod && now >= appended_) return;
   appended_ = now;
   writer_.append(make_batch(items), is_complete(map, atlas));
 }
@@ -80,7 +80,7 @@ void DriveJournal::begin(std::string& items, const dense_map::DenseMap& map, con
   changed_ = {keys.begin(), keys.end()};
   evicted_.clear();
   tiles_.clear();
-  of_gone_tiles_ = 0;
+  evicted_bytes_ = 0;
   nodes_ = 0;
   edges_ = 0;
   new_rings_ = rings_.scans > 0;

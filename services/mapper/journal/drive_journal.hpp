@@ -32,7 +32,7 @@ class DriveJournal {
   void start_epoch(std::int32_t epoch, std::vector<RecordedPose> drive);
   /// Whether start_epoch() should restart the journal: writing failed a minute ago; or it failed for lack of space,
   /// which there is again; or half of the file belongs to evicted tiles. `now`: us.
-  [[nodiscard]] bool wants_anew(std::int64_t now) const;
+  [[nodiscard]] bool needs_restart(std::int64_t now) const;
   /// Adds the pose of the vehicle, after the map has taken the scan. See PoseThinning.
   void add(const RecordedPose& pose);
   /// Sets the intensity scale of what the tiles take from now on.
@@ -78,7 +78,7 @@ class DriveJournal {
   int nodes_ = 0;
   std::size_t edges_ = 0;
   std::unordered_map<TileKey, Written, TileKeyHash> tiles_;
-  std::size_t of_gone_tiles_ = 0;  // bytes
+  std::size_t evicted_bytes_ = 0;  // bytes
 };
 
 }  // namespace curbstone::mapper::journal

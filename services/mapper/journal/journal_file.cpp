@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMuch = 4'000'000;              // bytes that are read between two spills
+constexpr std::size_t kSpillInterval = 4'000'000;     // bytes that are read between two spills
 constexpr std::size_t kMaxRecordsInMemory = 400'000;  // that stay in memory: 3 MB
 constexpr std::uint32_t kBatchMagic = 0x314c4a43;     // "CJL1"
 
@@ -81,7 +81,7 @@ std::optional<RecordedDrive> read_batches(std::ifstream& file, std::uintmax_t by
     if (head.checksum != checksum_of(head.size, items)) throw std::runtime_error("is damaged: a checksum is wrong");
     apply_items(items, drive, ++batch);
     read += items.size();
-    if (spiller && read > kMuch) {
+    if (spiller && read > kSpillInterval) {
       spiller->spill(drive, kMaxRecordsInMemory);
       read = 0;
     }

@@ -49,7 +49,7 @@ void JournalWriter::begin() {
   fault_.clear();
 }
 
-void JournalWriter::append(std::string batch, bool is_whole) {
+void JournalWriter::append(std::string batch, bool is_complete) {
   began_ = steady_clock();
   bytes_ += batch.size();
   if (bytes_ > max_bytes_) {
@@ -62,9 +62,9 @@ void JournalWriter::append(std::string batch, bool is_whole) {
     return;
   }
   const bool opens = !std::exchange(is_open_, true);
-  const bool takes_place = is_whole && !is_in_place_;
-  is_in_place_ = is_in_place_ || is_whole;
-  was_in_place_ = was_in_place_ || is_whole;
+  const bool takes_place = is_complete && !is_in_place_;
+  is_in_place_ = is_in_place_ || is_complete;
+  was_in_place_ = was_in_place_ || is_complete;
   const bool waits_beside = was_in_place_ && !is_in_place_;
   under_way_ = std::async(std::launch::async, [this, batch = std::move(batch), opens, takes_place, waits_beside] {
     const std::error_code error = put(batch, opens, takes_place);

@@ -28,8 +28,8 @@ class JournalWriter {
   [[nodiscard]] bool is_stuck() const;
   /// Starts another file with the next batch, beside the current one.
   void begin();
-  /// `is_whole`: with this batch the new file is complete enough for a successor, and replaces the previous one.
-  void append(std::string batch, bool is_whole);
+  /// `is_complete`: with this batch the new file is complete enough for a successor, and replaces the previous one.
+  void append(std::string batch, bool is_complete);
   /// Deletes the journal: the drive is over. Waits.
   void remove();
 

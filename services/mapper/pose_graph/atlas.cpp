@@ -21,7 +21,7 @@ std::vector<scan::KeyframePoint> node_points(const std::vector<scan::LidarPoint>
   return kept;
 }
 
-constexpr int kKeptHere = 20;            // the newest nodes: writing their scans needs no reading back
+constexpr int kMaxScansInMemory = 20;    // the newest nodes: writing their scans needs no reading back
 constexpr double kOdometryDrift = 0.02;  // m per metre, of odometry alone
 
 double far_in_any_axis(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -43,7 +43,7 @@ int Atlas::visit(std::int64_t utime, const Pose& T_map_base, const std::vector<s
   if (reference_ != kNone) driven_ += (node(reference_).T_map_base.inverse() * T_map_base).translation().norm();
   nodes_.push_back({{utime, T_map_base, node_points(points, config_)}, driven_, true, {}});
   present_.insert(made);
-  if (made >= kKeptHere) spill(made - kKeptHere);
+  if (made >= kMaxScansInMemory) spill(made - kMaxScansInMemory);
   if (reference_ != kNone) connect(step(reference_, made, node(reference_).T_map_base.inverse() * T_map_base));
   reference_ = made;
   left_ = false;

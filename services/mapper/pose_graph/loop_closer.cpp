@@ -9,10 +9,10 @@
 namespace curbstone::mapper::pose_graph {
 namespace {
 
-constexpr double kUnconnected = 150.0;  // m along the graph: shorter loops are not worth closing
-constexpr double kTurn = 0.15;          // rad: largest drift of the heading
-constexpr double kMinSigma = 0.02;      // m: the scans of nodes are downsampled, whatever covariance registration gives
-constexpr double kMinTurn = 0.002;      // rad
+constexpr double kMinLoopLength = 150.0;  // m along the graph: shorter loops are not worth closing
+constexpr double kTurn = 0.15;            // rad: largest drift of the heading
+constexpr double kMinSigma = 0.02;  // m: the scans of nodes are downsampled, whatever covariance registration gives
+constexpr double kMinTurn = 0.002;  // rad
 
 registration::Matrix6 floored(const registration::Matrix6& covariance) {
   registration::Vector6 least;
@@ -26,7 +26,7 @@ registration::Matrix6 floored(const registration::Matrix6& covariance) {
 int LoopCloser::candidate(const Atlas& atlas, const Eigen::Vector3d& position) const {
   const std::vector<int> near = atlas.near(position, config_.max_search);
   if (std::none_of(near.begin(), near.end(), [&](int id) { return !atlas.present(id); })) return Atlas::kNone;
-  const std::vector<int> connected = atlas.connected(atlas.reference(), kUnconnected);
+  const std::vector<int> connected = atlas.connected(atlas.reference(), kMinLoopLength);
   for (const int id : near) {
     if (atlas.present(id) || std::binary_search(connected.begin(), connected.end(), id)) continue;
     const double since = atlas.driven(atlas.reference()) - atlas.driven(id);
@@ -36,8 +36,8 @@ int LoopCloser::candidate(const Atlas& atlas, const Eigen::Vector3d& position) c
   return Atlas::kNone;
 }
 
-std::optional<LoopClosure> LoopCloser::look(const Atlas& atlas, const Relocalizer& relocalizer,
-                                            const std::vector<scan::LidarPoint>& points, const Pose& T_map_base) {
+std::optional<LoopClosure> LoopCloser::search(const Atlas& atlas, const Relocalizer& relocalizer,
+                                              const std::vector<scan::LidarPoint>& points, const Pose& T_map_base) {
   const Eigen::Vector3d position = T_map_base.translation();
   if (last_position_) travelled_ += (position - *last_position_).norm();
   last_position_ = position;
@@ -96,7 +96,7 @@ std::optional<LoopCorrection> LoopCloser::solve(const Atlas& atlas, const LoopCl
   return correction;
 }
 
-bool LoopCloser::matters(const LoopCorrection& correction, const Atlas& atlas) const {
+bool LoopCloser::is_significant(const LoopCorrection& correction, const Atlas& atlas) const {
   for (int id = 0; id < atlas.size(); ++id) {
     const Eigen::Vector3d& was = atlas.node(id).T_map_base.translation();
     if ((correction.T_new_old[static_cast<std::size_t>(id)] * was - was).norm() > config_.rearrange_m) return true;

@@ -33,14 +33,14 @@ class LoopCloser {
   explicit LoopCloser(const config::LoopConfig& config) : config_(config) {}
 
   /// Searches with a scan; `points`: in base_link, taken at T_map_base.
-  [[nodiscard]] std::optional<LoopClosure> look(const Atlas& atlas, const Relocalizer& relocalizer,
-                                                const std::vector<scan::LidarPoint>& points, const Pose& T_map_base);
+  [[nodiscard]] std::optional<LoopClosure> search(const Atlas& atlas, const Relocalizer& relocalizer,
+                                                  const std::vector<scan::LidarPoint>& points, const Pose& T_map_base);
   /// Optimises the atlas's graph with the closure added; the vehicle is at T_map_base. Nothing if the closure
   /// contradicts the drive.
   [[nodiscard]] std::optional<LoopCorrection> solve(const Atlas& atlas, const LoopClosure& closure,
                                                     const Pose& T_map_base);
   /// Whether the correction is large enough to rebuild the map.
-  [[nodiscard]] bool matters(const LoopCorrection& correction, const Atlas& atlas) const;
+  [[nodiscard]] bool is_significant(const LoopCorrection& correction, const Atlas& atlas) const;
 
   [[nodiscard]] const Counters& counters() const { return counters_; }
 

@@ -6,10 +6,10 @@
 namespace curbstone::mapper::pose_graph {
 namespace {
 
-constexpr double kSurroundings = 60.0;    // m along the graph that one search covers
-constexpr double kMinSearchRadius = 1.0;  // m, least and
-constexpr double kFarthestSearch = 15.0;  // m, largest reach of a search about a guess
-constexpr double kUnseenTurn = 0.3;       // rad: turn that the vehicle may have made unobserved,
+constexpr double kSurroundings = 60.0;     // m along the graph that one search covers
+constexpr double kMinSearchRadius = 1.0;   // m, least and
+constexpr double kMaxSearchRadius = 15.0;  // m, largest reach of a search about a guess
+constexpr double kUnseenTurn = 0.3;        // rad: turn that the vehicle may have made unobserved,
 constexpr auto kKnown = place_recognition::Known::kPart;
 constexpr double kTurnPerMetre = 0.3;  // and rad more per m of possible motion
 
@@ -27,25 +27,25 @@ std::optional<FoundPlace> Relocalizer::find_at(const Atlas& atlas, int node,
 
 std::optional<FoundPlace> Relocalizer::find(const Atlas& atlas, const std::vector<scan::LidarPoint>& points,
                                             const Pose& guess, double uncertainty) {
-  const double reach = std::min(kMinSearchRadius + uncertainty, kFarthestSearch);
+  const double reach = std::min(kMinSearchRadius + uncertainty, kMaxSearchRadius);
   const double turn = std::min(kUnseenTurn + kTurnPerMetre * uncertainty, std::numbers::pi);
   const std::vector<int> near = atlas.near(guess.translation(), reach + 10.0);
   if (!near.empty()) {
     if (const auto found = find_at(atlas, near.front(), points, guess, reach, turn, kKnown)) return found;
   }
-  return is_anywhere(uncertainty) ? find_anywhere(atlas, points, guess) : std::nullopt;
+  return needs_global_search(uncertainty) ? find_globally(atlas, points, guess) : std::nullopt;
 }
 
-bool Relocalizer::is_anywhere(double uncertainty) {
-  return kMinSearchRadius + uncertainty > kFarthestSearch;
+bool Relocalizer::needs_global_search(double uncertainty) {
+  return kMinSearchRadius + uncertainty > kMaxSearchRadius;
 }
 
-void Relocalizer::forget() {
+void Relocalizer::clear() {
   index_.clear();
   indexed_ = 0;
 }
 
-std::optional<FoundPlace> Relocalizer::find_anywhere(const Atlas& atlas, const std::vector<scan::LidarPoint>& points,
+std::optional<FoundPlace> Relocalizer::find_globally(const Atlas& atlas, const std::vector<scan::LidarPoint>& points,
                                                      const Pose& guess) {
   for (; indexed_ < atlas.size(); ++indexed_) index_.add(indexed_, *atlas.node(indexed_).points.read());
   std::vector<const scan::Keyframe*> nodes;

@@ -33,12 +33,12 @@ class Relocalizer {
   [[nodiscard]] std::optional<FoundPlace> find(const Atlas& atlas, const std::vector<scan::LidarPoint>& points,
                                                const Pose& guess, double uncertainty);
   /// Whether `uncertainty` m is too far for a local search. The search of all places is much more expensive.
-  [[nodiscard]] static bool is_anywhere(double uncertainty);
+  [[nodiscard]] static bool needs_global_search(double uncertainty);
   /// Drops what was indexed: nodes have been removed, so numbers may refer to other nodes.
-  void forget();
+  void clear();
 
  private:
-  [[nodiscard]] std::optional<FoundPlace> find_anywhere(const Atlas& atlas, const std::vector<scan::LidarPoint>& points,
+  [[nodiscard]] std::optional<FoundPlace> find_globally(const Atlas& atlas, const std::vector<scan::LidarPoint>& points,
                                                         const Pose& guess);
 
   config::IcpConfig config_;

@@ -16,7 +16,7 @@ constexpr int kWidth = 360 / BlindSectors::kSectors;
 
 }  // namespace
 
-void BlindSectors::look(const scan::Scan& scan) {
+void BlindSectors::check(const scan::Scan& scan) {
   std::array<int, kSectors> returns{};
   for (const scan::LidarPoint& point : scan.points) {
     const Eigen::Vector3f& p = point.position;

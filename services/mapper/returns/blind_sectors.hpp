@@ -22,7 +22,7 @@ class BlindSectors {
   static constexpr float kNear = 0.8F;  ///< m
 
   /// To be called once per 0.2 m or so of motion.
-  void look(const scan::Scan& scan);
+  void check(const scan::Scan& scan);
   /// Blind sectors of 10 deg each, by their centre: deg to the left of the LiDAR's x.
   [[nodiscard]] std::vector<int> blind() const;
   void add_faults(std::vector<std::string>& faults) const;

@@ -53,7 +53,7 @@ bool GroundInSight::Sight::loses(int now_open, int now_seeing) {
   return missing && !before;
 }
 
-void GroundInSight::look(const scan::Scan& scan, bool moved) {
+void GroundInSight::check(const scan::Scan& scan, bool moved) {
   const bool due = revolution_++ % kEvery == 0;
   if ((!due && !moved) || T_base_lidar_.translation().z() < static_cast<float>(kLowest)) return;
   std::array<Sector, kSectors> sectors;

@@ -43,7 +43,7 @@ class GroundInSight {
 
   /// To be called for each revolution, in lidar. `moved`: the vehicle has moved by 0.2 m or so since `moved` was last
   /// true.
-  void look(const scan::Scan& scan, bool moved);
+  void check(const scan::Scan& scan, bool moved);
   /// Share of the open sectors that recently showed the ground. 1 before the first look.
   [[nodiscard]] double share() const { return about_.share(); }
   [[nodiscard]] double share_ahead() const { return ahead_.share(); }

@@ -135,7 +135,7 @@ std::optional<Explanation> likeliest(const std::vector<Triple>& triples) {
 
 }  // namespace
 
-void LaserElevations::look(const scan::Scan& scan, bool moved) {
+void LaserElevations::check(const scan::Scan& scan, bool moved) {
   const std::vector<Return> returns = nearest_ground(scan);
   std::vector<Triple> triples;
   std::vector<double> offs;

@@ -32,7 +32,7 @@ class LaserElevations {
   static constexpr std::size_t kLasers = 128;  ///< rings above are not judged
 
   /// Judges one revolution. `moved`: the vehicle has moved by kStep m or more since `moved` was last true.
-  void look(const scan::Scan& scan, bool moved);
+  void check(const scan::Scan& scan, bool moved);
   /// Removes the points of the wrong lasers.
   void withhold(scan::Scan& scan);
   [[nodiscard]] bool any_wrong() const { return num_wrong_ > 0; }

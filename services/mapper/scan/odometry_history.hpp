@@ -53,7 +53,7 @@ class OdometryHistory {
   }
   /// Restricts all queries from now on to the samples that were there when odometry first reached `utime`. The answers
   /// then do not depend on how much more has arrived.
-  void look_from(std::int64_t utime) { horizon_ = utime; }
+  void set_horizon(std::int64_t utime) { horizon_ = utime; }
   /// Whether `from`..`to` lies between usable samples without a gap, or at most kLead beyond the last. A step of the
   /// host's clock is not a gap.
   [[nodiscard]] bool covers(std::int64_t from, std::int64_t to) const;

@@ -11,7 +11,7 @@ constexpr std::int64_t kBeforeScan = 50'000;  // us of odometry before a scan th
 
 }  // namespace
 
-void OdometryResend::hear_again(const odometry_t& message) {
+void OdometryResend::add_resent(const odometry_t& message) {
   const std::optional<OdometrySample> sample = sample_of(message);
   if (!sample || !history_.fill(*sample)) return;
   client_.answered();
@@ -24,7 +24,7 @@ void OdometryResend::tick(std::int64_t now) {
   client_.ask(now, history_.gap(from_));
 }
 
-bool OdometryResend::is_waited_for(const Scan& scan) {
+bool OdometryResend::must_wait(const Scan& scan) {
   from_ = std::max(from_, scan.start - kBeforeScan);
   if (from_ - scan.start > ResendClient::kMaxMissing) from_ = scan.start - kBeforeScan;  // the clock was set back
   while (const std::optional<MissingMessages> gap = history_.gap(from_)) {

@@ -26,11 +26,11 @@ class OdometryResend {
       : client_(bus, requester, "ODOMETRY"), history_(history) {}
 
   /// Takes a sample that was sent again, no matter who requested it.
-  void hear_again(const odometry_t& message);
+  void add_resent(const odometry_t& message);
   /// Called every 20 ms: requests what is missing. `now`, us, only sets the pace of requests.
   void tick(std::int64_t now);
   /// Whether this scan, the next to be processed, must wait for odometry.
-  [[nodiscard]] bool is_waited_for(const Scan& scan);
+  [[nodiscard]] bool must_wait(const Scan& scan);
 
   [[nodiscard]] const Counters& counters() const { return counters_; }
 

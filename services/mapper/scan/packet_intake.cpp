@@ -24,7 +24,7 @@ bool PacketIntake::is_gap_before(const lidar_points_t& packet) const {
   return step > 1 && step <= kMaxPackets && ahead > 0 && ahead <= ResendClient::kMaxMissing;
 }
 
-bool PacketIntake::is_of_another(const lidar_points_t& packet) const {
+bool PacketIntake::is_from_second_lidar(const lidar_points_t& packet) const {
   constexpr std::int32_t kNearEnd = 0x7FFFFFFF - 1000;  // the sequence numbers wrap after it
   return last_ && packet.packet <= last_->number && last_->number < kNearEnd && packet.utime > last_->utime &&
          packet.utime - last_->utime < kRestart;
@@ -32,35 +32,35 @@ bool PacketIntake::is_of_another(const lidar_points_t& packet) const {
 
 /// Drops held packets of another driver: the packet follows the last one that was passed on and is later than packets
 /// that wait behind a gap with higher numbers, so those are not of the same driver.
-void PacketIntake::refuse_held_of_another(const lidar_points_t& packet) {
+void PacketIntake::drop_held_of_second_lidar(const lidar_points_t& packet) {
   if (!last_ || packet.packet <= last_->number || packet.utime <= last_->utime) return;
   while (!held_.empty() && held_.back().packet > packet.packet && held_.back().utime < packet.utime) {
-    another_ = held_.back().utime;
+    second_lidar_ = held_.back().utime;
     held_.pop_back();
     counters_.add("refused.second_lidar");
   }
 }
 
-void PacketIntake::hear(const lidar_points_t& packet, const Handler& hand_on) {
-  if (packet.utime <= 0) return hand_on(packet);  // the receiver refuses it
+void PacketIntake::add(const lidar_points_t& packet, const Handler& handler) {
+  if (packet.utime <= 0) return handler(packet);  // the receiver refuses it
   newest_ = packet.utime;
-  if (is_of_another(packet)) {
+  if (is_from_second_lidar(packet)) {
     refused_ = packet.utime;
     return counters_.add("refused.second_lidar");
   }
-  refuse_held_of_another(packet);
+  drop_held_of_second_lidar(packet);
   if (is_gap_before(packet) && !client_.is_deaf(packet.utime)) {
     if (held_.empty()) waited_ = 0;
     return hold(packet);
   }
   const bool is_late = last_ && packet.packet <= last_->number && packet.utime <= last_->utime;
-  if (is_late) return hand_on(packet);  // a duplicate, or overtaken by later packets
-  if (!last_ || !is_next(packet.packet, last_->number)) release(hand_on);
-  pass(packet, hand_on);
-  pass_held(hand_on);
+  if (is_late) return handler(packet);  // a duplicate, or overtaken by later packets
+  if (!last_ || !is_next(packet.packet, last_->number)) release(handler);
+  pass(packet, handler);
+  pass_held(handler);
 }
 
-void PacketIntake::hear_again(const lidar_points_t& packet, const Handler& hand_on) {
+void PacketIntake::add_resent(const lidar_points_t& packet, const Handler& handler) {
   if (held_.empty() || packet.utime <= 0) return;
   const lidar_points_t& newest = held_.back();
   const bool is_missing =
@@ -73,8 +73,8 @@ void PacketIntake::hear_again(const lidar_points_t& packet, const Handler& hand_
   if (last_ && !is_next(packet.packet, last_->number)) {
     hold(packet);
   } else {
-    pass(packet, hand_on);
-    pass_held(hand_on);
+    pass(packet, handler);
+    pass_held(handler);
   }
   client_.ask(ticked_, missing());  // for the next gap
 }
@@ -99,54 +99,54 @@ void PacketIntake::hold(const lidar_points_t& packet) {
   held_.insert(place_of(packet.packet), packet);
 }
 
-void PacketIntake::pass(const lidar_points_t& packet, const Handler& hand_on) {
+void PacketIntake::pass(const lidar_points_t& packet, const Handler& handler) {
   const bool same_driver = last_ && packet.packet > last_->number;
   if (refused_ != 0 && packet.utime > refused_) {
-    if (same_driver) another_ = refused_;
+    if (same_driver) second_lidar_ = refused_;
     refused_ = 0;
   }
   last_ = Last{packet.packet, packet.utime};
-  hand_on(packet);
+  handler(packet);
 }
 
-void PacketIntake::pass_held(const Handler& hand_on) {
+void PacketIntake::pass_held(const Handler& handler) {
   while (!held_.empty() && last_ && held_.front().packet <= last_->number + std::int64_t{1}) {
     const lidar_points_t packet = std::move(held_.front());
     held_.pop_front();
-    if (packet.packet > last_->number) pass(packet, hand_on);
+    if (packet.packet > last_->number) pass(packet, handler);
   }
 }
 
-void PacketIntake::tick(std::int64_t now, const Handler& hand_on) {
+void PacketIntake::tick(std::int64_t now, const Handler& handler) {
   if (!held_.empty()) {
-    if (waited_ >= kPatience) give_up(hand_on);
+    if (waited_ >= kPatience) give_up(handler);
     waited_ += ResendClient::waited(now, ticked_);
   }
   client_.ask(ticked_ = now, missing());
 }
 
 /// Gives up one gap; further gaps may follow behind it.
-void PacketIntake::give_up(const Handler& hand_on) {
+void PacketIntake::give_up(const Handler& handler) {
   client_.gave_up(newest_);
   counters_.add("lidar.not_resent");
   waited_ = 0;
   const lidar_points_t packet = std::move(held_.front());
   held_.pop_front();
-  pass(packet, hand_on);
-  pass_held(hand_on);
+  pass(packet, handler);
+  pass_held(handler);
 }
 
-void PacketIntake::release(const Handler& hand_on) {
+void PacketIntake::release(const Handler& handler) {
   while (!held_.empty()) {
     const lidar_points_t packet = std::move(held_.front());
     held_.pop_front();
-    pass(packet, hand_on);
+    pass(packet, handler);
   }
 }
 
 void PacketIntake::add_faults(std::vector<std::string>& faults) const {
   if (newest_ == 0) faults.emplace_back("no LIDAR_POINTS");
-  if (another_ != 0 && newest_ - another_ < 1'000'000)
+  if (second_lidar_ != 0 && newest_ - second_lidar_ < 1'000'000)
     faults.emplace_back("two LiDARs send on LIDAR_POINTS, and one is mapped: give the other a `channel` of its own");
 }
 

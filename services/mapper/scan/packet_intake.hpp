@@ -40,14 +40,14 @@ class PacketIntake {
   void begin_at(std::int64_t utime) { begin_after_ = utime - 1; }
 
   /// Takes a packet that was sent for the first time.
-  void hear(const lidar_points_t& packet, const Handler& hand_on);
+  void add(const lidar_points_t& packet, const Handler& handler);
   /// Takes a packet that was sent again, no matter who requested it.
-  void hear_again(const lidar_points_t& packet, const Handler& hand_on);
+  void add_resent(const lidar_points_t& packet, const Handler& handler);
   /// Passes on everything that waits: the drive is over.
-  void release(const Handler& hand_on);
+  void release(const Handler& handler);
   /// Called every 20 ms: requests what is missing, or gives it up. `now`, us, only sets the pace; in a replay it is
   /// message time.
-  void tick(std::int64_t now, const Handler& hand_on);
+  void tick(std::int64_t now, const Handler& handler);
 
   /// us, stamp of the newest packet heard.
   [[nodiscard]] std::int64_t newest() const { return newest_; }
@@ -61,15 +61,15 @@ class PacketIntake {
     std::int32_t number;
     std::int64_t utime;  // us
   };
-  [[nodiscard]] bool is_of_another(const lidar_points_t& packet) const;
-  void refuse_held_of_another(const lidar_points_t& packet);
+  [[nodiscard]] bool is_from_second_lidar(const lidar_points_t& packet) const;
+  void drop_held_of_second_lidar(const lidar_points_t& packet);
   [[nodiscard]] bool is_gap_before(const lidar_points_t& packet) const;
   [[nodiscard]] std::deque<lidar_points_t>::iterator place_of(std::int32_t number);
   [[nodiscard]] bool holds(std::int32_t number);
   void hold(const lidar_points_t& packet);
-  void pass(const lidar_points_t& packet, const Handler& hand_on);
-  void pass_held(const Handler& hand_on);
-  void give_up(const Handler& hand_on);
+  void pass(const lidar_points_t& packet, const Handler& handler);
+  void pass_held(const Handler& handler);
+  void give_up(const Handler& handler);
 
   ResendClient client_;
   std::optional<std::int64_t> begin_after_;  // us
@@ -77,9 +77,9 @@ class PacketIntake {
   std::deque<lidar_points_t> held_;          // in order of sequence numbers
   std::int64_t newest_ = 0;
   std::int64_t refused_ = 0;  // us, newest refused packet: of a second LiDAR, or of a driver that has just restarted
-  std::int64_t another_ = 0;  // us, newest of a second LiDAR
-  std::int64_t ticked_ = 0;   // us
-  std::int64_t waited_ = 0;   // us, since a missing packet last came, or since the gap was found
+  std::int64_t second_lidar_ = 0;  // us, newest of a second LiDAR
+  std::int64_t ticked_ = 0;        // us
+  std::int64_t waited_ = 0;        // us, since a missing packet last came, or since the gap was found
   Counters counters_;
 };
 

@@ -25,7 +25,7 @@ namespace curbstone::mapper::storage {
 inline constexpr int kMapFormat = 1;
 
 /// What a saved map lacks.
-struct LeftOut {
+struct MissingParts {
   std::vector<TileKey> gone;           ///< tiles that are missing
   std::vector<TileKey> earlier;        ///< tiles of which the map has an earlier version, SavedTile::earlier
   std::vector<std::size_t> keyframes;  ///< keyframes without their scan
@@ -33,7 +33,7 @@ struct LeftOut {
 };
 
 /// Receives parts of a map as they are read, so that the map is never in memory as a whole.
-struct MapTaker {
+struct MapVisitor {
   std::function<void(SavedTile)> tile;
   std::function<void(scan::Keyframe)> node;
 };
@@ -43,7 +43,7 @@ struct MapTaker {
 /// of what is on_disk are reused (as hard links): only what is new is written. What cannot be read back from the file
 /// of far tiles is left out; all else is saved. Throws MapFolderError if something cannot be written or synced, for a
 /// map that load_map() would refuse, or for a folder that contains anything but a map (it is left alone).
-LeftOut save_map(const SavedMap& map, const std::filesystem::path& folder);
+MissingParts save_map(const SavedMap& map, const std::filesystem::path& folder);
 
 /// Loads a map. Throws MapFolderError for a file that is missing, truncated, too large, or of a newer format; a point
 /// that is not finite, outside its tile, off the 2 mm steps or in another point's voxel; an invalid pose; an edge to a
@@ -51,6 +51,6 @@ LeftOut save_map(const SavedMap& map, const std::filesystem::path& folder);
 [[nodiscard]] SavedMap load_map(const std::filesystem::path& folder);
 /// The same, but tiles and nodes are passed to the taker one by one, and are not in the result. If it throws, the taker
 /// may have received some.
-[[nodiscard]] SavedMap load_map(const std::filesystem::path& folder, const MapTaker& taker);
+[[nodiscard]] SavedMap load_map(const std::filesystem::path& folder, const MapVisitor& visitor);
 
 }  // namespace curbstone::mapper::storage

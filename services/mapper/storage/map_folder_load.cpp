@@ -126,7 +126,7 @@ std::vector<scan::KeyframePoint> read_node_points(const fs::path& file) {
   return points;
 }
 
-void read_tiles(const MapHead& head, int voxel_steps, const fs::path& folder, const MapTaker& taker) {
+void read_tiles(const MapHead& head, int voxel_steps, const fs::path& folder, const MapVisitor& visitor) {
   const fs::path table = folder / "tiles.csv";
   const std::vector<std::string> rows = read_map_rows(table, Rules::kTilesHeader, head.tiles);
   std::set<TileKey> seen;
@@ -142,11 +142,11 @@ void read_tiles(const MapHead& head, int voxel_steps, const fs::path& folder, co
     const fs::path file = folder / map_tile_file(tile.key);
     tile.points = read_tile_points(tile, file);
     check_map_tile(tile, voxel_steps, file);
-    taker.tile(std::move(tile));
+    visitor.tile(std::move(tile));
   }
 }
 
-void read_nodes(const MapHead& head, const fs::path& folder, const MapTaker& taker) {
+void read_nodes(const MapHead& head, const fs::path& folder, const MapVisitor& visitor) {
   const fs::path table = folder / "nodes.csv";
   const std::vector<std::string> rows = read_map_rows(table, Rules::kNodesHeader, head.nodes);
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -157,7 +157,7 @@ void read_nodes(const MapHead& head, const fs::path& folder, const MapTaker& tak
     row.end();
     node.points = read_node_points(folder / keyframe_file(i));
     check_keyframe(node, table, i);
-    taker.node(std::move(node));
+    visitor.node(std::move(node));
   }
 }
 
@@ -204,13 +204,13 @@ SavedMap load_map(const fs::path& folder) {
   return map;
 }
 
-SavedMap load_map(const fs::path& folder, const MapTaker& taker) {
+SavedMap load_map(const fs::path& folder, const MapVisitor& visitor) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) fail_map(folder, "no such folder");
   MapHead head = read_head(folder);
   const int voxel_steps = check_map_head(head.map, folder / "map.yaml");
-  read_tiles(head, voxel_steps, folder, taker);
-  read_nodes(head, folder, taker);
+  read_tiles(head, voxel_steps, folder, visitor);
+  read_nodes(head, folder, visitor);
   read_graph(head, folder);
   read_rings(head, folder);
   return std::move(head.map);

@@ -50,7 +50,7 @@ std::optional<SavedTile> with_points(SavedTile tile) {
   return tile;
 }
 
-void write_tiles(const SavedMap& map, int voxel_steps, const AtomicFolder& target, LeftOut& left_out) {
+void write_tiles(const SavedMap& map, int voxel_steps, const AtomicFolder& target, MissingParts& missing) {
   const fs::path& folder = target.partial();
   std::string table = std::string(Rules::kTilesHeader) + "\n";
   std::set<TileKey> seen;
@@ -59,7 +59,7 @@ void write_tiles(const SavedMap& map, int voxel_steps, const AtomicFolder& targe
     const fs::path file = folder / map_tile_file(tile.key);
     if (!seen.insert(tile.key).second) fail_map(file, "is there twice");
     const std::optional<SavedTile> here = tile.on_disk ? tile : with_points(tile);
-    if (!here) (tile.earlier ? left_out.earlier : left_out.gone).push_back(tile.key);
+    if (!here) (tile.earlier ? missing.earlier : missing.gone).push_back(tile.key);
     if (!here && !tile.earlier) continue;
     fmt::format_to(std::back_inserter(table), "{},{},{},{}\n", tile.key.x, tile.key.y, tile.z_origin,
                    here ? tile.utime : *tile.earlier);
@@ -79,7 +79,7 @@ void write_tiles(const SavedMap& map, int voxel_steps, const AtomicFolder& targe
   write_map_file(folder / "tiles.csv", table);
 }
 
-void write_nodes(const SavedMap& map, const AtomicFolder& target, LeftOut& left_out) {
+void write_nodes(const SavedMap& map, const AtomicFolder& target, MissingParts& missing) {
   const fs::path& folder = target.partial();
   const fs::path file = folder / "nodes.csv";
   std::string table = std::string(Rules::kNodesHeader) + "\n";
@@ -94,7 +94,7 @@ void write_nodes(const SavedMap& map, const AtomicFolder& target, LeftOut& left_
     }
     values.clear();
     const auto points = node.points.read();
-    if (points->size() != node.points.size()) left_out.keyframes.push_back(i);
+    if (points->size() != node.points.size()) missing.keyframes.push_back(i);
     for (const scan::KeyframePoint& p : *points)
       values.insert(values.end(), {pcd_coordinate(0.0, p.x), pcd_coordinate(0.0, p.y), pcd_coordinate(0.0, p.z)});
     write_pcd(folder / keyframe_file(i), Rules::kNodeFields, values, node.T_map_base);
@@ -158,7 +158,7 @@ bool is_map_folder(const fs::path& folder) {
 
 }  // namespace
 
-LeftOut save_map(const SavedMap& map, const fs::path& folder) {
+MissingParts save_map(const SavedMap& map, const fs::path& folder) {
   const int voxel_steps = check_map_head(map, folder);
   AtomicFolder target(folder, is_map_folder);
   for (const char* name : {"tiles", "nodes"}) {
@@ -166,14 +166,14 @@ LeftOut save_map(const SavedMap& map, const fs::path& folder) {
     fs::create_directory(target.partial() / name, error);
     if (error) fail_map(target.partial() / name, error.message());
   }
-  LeftOut left_out;
-  write_tiles(map, voxel_steps, target, left_out);
-  write_nodes(map, target, left_out);
+  MissingParts missing;
+  write_tiles(map, voxel_steps, target, missing);
+  write_nodes(map, target, missing);
   write_graph(map, target.partial());
   write_rings(map, target.partial());
-  write_head(map, map.tiles.size() - left_out.gone.size(), target.partial());
+  write_head(map, map.tiles.size() - missing.gone.size(), target.partial());
   target.commit();
-  return left_out;
+  return missing;
 }
 
 }  // namespace curbstone::mapper::storage

@@ -1,30 +1,18 @@
 #include "services/mapper/storage/map_saver.hpp"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <chrono>
-#include <ctime>
+#include <cmath>
 #include <string>
 #include <system_error>
 #include <utility>
 
+#include "common/time/dated_path.hpp"
+#include "common/time/microseconds.hpp"
+
 namespace curbstone::mapper::storage {
-namespace {
-
 namespace fs = std::filesystem;
-
-/// A free name next to the folder.
-fs::path name_beside(const fs::path& folder, std::int64_t began) {
-  const std::time_t second = began / 1'000'000;
-  const std::string stem = fmt::format("{}-{:%Y%m%dT%H%M%SZ}", folder.string(), fmt::gmtime(second));
-  std::string name = stem;
-  std::error_code ignored;
-  for (int i = 2; fs::exists(name, ignored); ++i) name = fmt::format("{}-{}", stem, i);
-  return name;
-}
-
-}  // namespace
 
 bool MapSaver::busy() {
   if (!writing_.valid()) return false;
@@ -33,9 +21,22 @@ bool MapSaver::busy() {
   return false;
 }
 
+void MapSaver::begin_epoch(std::int32_t epoch) {
+  if (!loaded_) return;
+  on_disk_ = *std::exchange(loaded_, std::nullopt);
+  on_disk_.epoch = epoch;
+  is_of_loaded_map_ = true;
+}
+
+bool MapSaver::is_due(std::int64_t utime) {
+  if (save_every_ <= 0) return false;
+  if (period_began_ == 0) period_began_ = utime;
+  return !busy() && std::abs(utime - period_began_) >= microseconds(save_every_);
+}
+
 void MapSaver::begin(MapSnapshot snapshot) {
-  if (snapshot.versions == on_disk_ && fault_.empty() && !is_of_another_) return;
-  is_of_another_ = false;
+  if (snapshot.versions == on_disk_ && fault_.empty() && !is_of_loaded_map_) return;
+  is_of_loaded_map_ = false;
   under_way_ = std::move(snapshot.versions);
   writing_ = std::async(std::launch::async, [map = std::move(snapshot.map), folder = folder_]() -> Result {
     try {
@@ -50,13 +51,14 @@ void MapSaver::begin(MapSnapshot snapshot) {
 fs::path MapSaver::set_aside(MapSnapshot last, std::int64_t began) {
   std::error_code ignored;
   const fs::path folder = fs::weakly_canonical(folder_, ignored);
-  const fs::path beside = name_beside(folder, began);
-  is_of_another_ = false;
+  const fs::path beside = free_dated_path(folder.string(), began);
+  is_of_loaded_map_ = false;
   is_last_ = true;
+  period_began_ = 0;
   writing_ = std::async(std::launch::async, [map = std::move(last.map), folder, beside]() -> Result {
     Result result;
     try {
-      result.left_out = save_map(map, folder);
+      result.missing = save_map(map, folder);
     } catch (const std::exception& error) {
       result.fault = error.what();
     }
@@ -77,21 +79,21 @@ void MapSaver::finish() {
     on_disk_ = {};
     return;
   }
-  forget(result.left_out);
+  forget(result.missing);
   on_disk_ = std::move(under_way_);
 }
 
 /// What the saved snapshot lacks is written again with the next one.
-void MapSaver::forget(const LeftOut& left_out) {
-  if (left_out.size() == 0) return;
-  for (const TileKey& key : left_out.gone) under_way_.tiles.erase(key);
-  for (const TileKey& key : left_out.earlier) under_way_.tiles[key] = on_disk_.tiles.at(key);
-  for (const std::size_t i : left_out.keyframes) under_way_.nodes[i].points = 0;
-  counters_.add("folder.left_out", static_cast<std::int64_t>(left_out.size()));
+void MapSaver::forget(const MissingParts& missing) {
+  if (missing.size() == 0) return;
+  for (const TileKey& key : missing.gone) under_way_.tiles.erase(key);
+  for (const TileKey& key : missing.earlier) under_way_.tiles[key] = on_disk_.tiles.at(key);
+  for (const std::size_t i : missing.keyframes) under_way_.nodes[i].points = 0;
+  counters_.add("folder.left_out", static_cast<std::int64_t>(missing.size()));
   fault_ = fmt::format(
       "{}: saved without {} tiles and the scans of {} keyframes, and with {} tiles as they were before: "
       "the disk of far_folder does not give them back",
-      folder_.string(), left_out.gone.size(), left_out.keyframes.size(), left_out.earlier.size());
+      folder_.string(), missing.gone.size(), missing.keyframes.size(), missing.earlier.size());
 }
 
 }  // namespace curbstone::mapper::storage

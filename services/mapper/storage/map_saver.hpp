@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <future>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -19,7 +21,9 @@ namespace curbstone::mapper::storage {
 /// Counters: folder.saved, folder.left_out (tiles and scans of keyframes), faults.folder.
 class MapSaver {
  public:
-  explicit MapSaver(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  /// `save_every`: s of message time between two periodic snapshots; 0: none.
+  explicit MapSaver(std::filesystem::path folder, double save_every = 0)
+      : folder_(std::move(folder)), save_every_(save_every) {}
   /// Waits for the save in progress.
   ~MapSaver() { finish(); }
   MapSaver(const MapSaver&) = delete;
@@ -27,12 +31,17 @@ class MapSaver {
 
   /// Whether a snapshot is still being written.
   [[nodiscard]] bool busy();
-  /// The folder holds a loaded map, of which the files listed in `versions` need not be written again. Call it before
-  /// the first snapshot, which is then written even if it contains nothing new.
-  void holds(MapVersions versions) {
-    on_disk_ = std::move(versions);
-    is_of_another_ = true;
-  }
+  /// The folder holds a loaded map, whose files are listed in `versions`. It does not change, so they need not be
+  /// written again in the epoch that begins next. Call it before the first snapshot, which is then written even if it
+  /// contains nothing new.
+  void set_loaded(MapVersions versions) { loaded_ = std::move(versions); }
+  /// The map of this epoch is saved from now on.
+  void begin_epoch(std::int32_t epoch);
+  /// Whether the next periodic snapshot should be saved: `save_every` has passed by `utime`, us of message time, and no
+  /// snapshot is being written. The first call starts the period.
+  [[nodiscard]] bool is_due(std::int64_t utime);
+  /// The next period begins at `utime`, us.
+  void schedule_after(std::int64_t utime) { period_began_ = utime; }
   /// What the folder holds; empty before the first snapshot, unless holds() was called. Not while busy.
   [[nodiscard]] const MapVersions& on_disk() const { return on_disk_; }
   /// Begins to save a snapshot that was taken against on_disk(). A snapshot with nothing new is not written. Not while
@@ -51,15 +60,18 @@ class MapSaver {
 
  private:
   std::filesystem::path folder_;
+  double save_every_;                  // s
+  std::int64_t period_began_ = 0;      // us, message time; 0: no period has begun
+  std::optional<MapVersions> loaded_;  // what the folder of the loaded map holds, until the first epoch
   MapVersions on_disk_;
   MapVersions under_way_;
   struct Result {
     std::string fault;  // why nothing was written; empty: the snapshot was written
-    LeftOut left_out;
+    MissingParts missing;
   };
-  void forget(const LeftOut& left_out);
-  bool is_of_another_ = false;  // the folder's head names the epoch of a loaded map
-  bool is_last_ = false;        // the folder is set aside after the save in progress
+  void forget(const MissingParts& missing);
+  bool is_of_loaded_map_ = false;  // the folder's head names the epoch of a loaded map
+  bool is_last_ = false;           // the folder is set aside after the save in progress
   std::future<Result> writing_;
   std::string fault_;
   Counters counters_;

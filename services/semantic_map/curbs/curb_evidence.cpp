@@ -66,17 +66,17 @@ std::vector<FoundStep> find_steps(const NearGroundPoints& points, const TiltedCe
   const double length = parameters.half_length;
   if (!cell.is_thin) {
     const Eigen::Vector2d up = cell.tilt.normalized();
-    if (search.look_close(up, length)) return search.found();
-    directions[num_directions++] = {up, search.look(up, kSparse * length)};
+    if (search.fit_nearby(up, length)) return search.found();
+    directions[num_directions++] = {up, search.fit(up, kSparse * length)};
   }
   if (ground.coarse_tilt.norm() > kMinCoarseTilt) {
     const Eigen::Vector2d up = ground.coarse_tilt.normalized();
-    directions[num_directions++] = {up, search.look(up, kSparse * length)};
+    directions[num_directions++] = {up, search.fit(up, kSparse * length)};
   }
   for (const auto& [direction, promise] : std::span(directions).first(num_directions)) {
-    if (std::max(search.look(direction, kThin * length), promise) < kPromising) continue;
+    if (std::max(search.fit(direction, kThin * length), promise) < kPromising) continue;
     for (const double turn : {-0.12, 0.12, -0.24, 0.24})
-      search.look(Eigen::Rotation2Dd(turn) * direction, kThin * length);
+      search.fit(Eigen::Rotation2Dd(turn) * direction, kThin * length);
   }
   return search.found();
 }

@@ -135,12 +135,12 @@ bool is_more_certain(const HeightStep& a, const HeightStep& b) {
 
 }  // namespace
 
-bool StepSearch::look_close(const Eigen::Vector2d& up, double half_length) {
-  look_in(up, half_length, false);
+bool StepSearch::fit_nearby(const Eigen::Vector2d& up, double half_length) {
+  fit_window(up, half_length, false);
   return count_points(window_) > kEnoughPoints;
 }
 
-double StepSearch::look_in(const Eigen::Vector2d& up, double half_length, bool exactly) {
+double StepSearch::fit_window(const Eigen::Vector2d& up, double half_length, bool exactly) {
   fill_window(points_, {at_, up, parameters_.half_window + kSearch, half_length}, exactly, window_);
   const auto step = find_height_step(window_, noise_, parameters_);
   // What is cheap to check comes first.

@@ -30,14 +30,14 @@ class StepSearch {
       : points_(points), at_(at), noise_(noise), parameters_(parameters), window_(window) {}
 
   /// Returns whether many points are around: a longer window would not make it clearer.
-  bool look_close(const Eigen::Vector2d& up, double half_length);
+  bool fit_nearby(const Eigen::Vector2d& up, double half_length);
   /// Returns the certainty of the best fit: 1 and more is a step; 0 where nothing can be fitted, less where the ground
   /// falls.
-  double look(const Eigen::Vector2d& up, double half_length) { return look_in(up, half_length, true); }
+  double fit(const Eigen::Vector2d& up, double half_length) { return fit_window(up, half_length, true); }
   [[nodiscard]] const std::vector<FoundStep>& found() const { return found_; }
 
  private:
-  double look_in(const Eigen::Vector2d& up, double half_length, bool exactly);
+  double fit_window(const Eigen::Vector2d& up, double half_length, bool exactly);
   const NearGroundPoints& points_;
   Eigen::Vector2d at_;
   double noise_;

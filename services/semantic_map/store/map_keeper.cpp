@@ -1,11 +1,7 @@
 #include "services/semantic_map/store/map_keeper.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
-#include <filesystem>
 #include <utility>
 
 namespace curbstone::semantic_map::store {
@@ -13,15 +9,15 @@ namespace curbstone::semantic_map::store {
 namespace {
 
 constexpr std::int64_t kLongestBreak = 600'000'000;  // us between two poses of one drive, a restart in between
-constexpr std::int64_t kFirstPose = 1'000'000;       // us: a corrected drive may begin so much later than it did
-constexpr std::int64_t kCorrection = 5'000'000;      // us: MAP_TRAJECTORY comes so soon after its epoch's first pose
 constexpr std::size_t kMaxPoses = 200'000;           // kept while the disk is full: hours
 
 }  // namespace
 
 MapKeeper::MapKeeper(const std::string& path, std::size_t max_pending_tiles, bool keep_earlier)
     : path_(path), max_pending_(max_pending_tiles), keep_earlier_(keep_earlier) {
-  if (!path.empty()) store_ = std::make_unique<MapStore>(path);
+  if (path.empty()) return;
+  store_ = std::make_unique<MapStore>(path);
+  state_ = State::kIdle;
 }
 
 MapKeeper::~MapKeeper() {
@@ -29,20 +25,25 @@ MapKeeper::~MapKeeper() {
 }
 
 void MapKeeper::start(std::int32_t epoch, std::int64_t utime) {
-  if (!store_) return;
+  if (!keeps()) return;
   await_writing();
-  const bool goes_on = pending_.trajectory.empty() && store_->last_utime() > 0 && store_->epoch() == epoch &&
-                       utime > store_->last_utime() && utime - store_->last_utime() < kLongestBreak;
+  const bool goes_on = continues_stored(epoch, utime);
   const std::string keep_in = goes_on ? "" : make_room(utime);
   previous_lines_ = goes_on ? read_lines() : nullptr;
   epoch_ = epoch;
-  has_begun_ = true;
+  state_ = State::kRecording;
   newest_utime_ = utime;
-  if (goes_on && superseded_.empty()) superseded_ = store_->superseded();
+  if (goes_on) earlier_.adopt(store_->superseded());
   const bool clear = pending_.clear || !goes_on;
   pending_ = {};
   pending_.clear = clear;
   pending_.keep_in = keep_in;
+}
+
+/// Whether a drive that begins at `utime` is the stored one, after a restart of the service.
+bool MapKeeper::continues_stored(std::int32_t epoch, std::int64_t utime) const {
+  return pending_.trajectory.empty() && store_->last_utime() > 0 && store_->epoch() == epoch &&
+         utime > store_->last_utime() && utime - store_->last_utime() < kLongestBreak;
 }
 
 std::shared_ptr<const StoredLines> MapKeeper::read_lines() const {
@@ -59,32 +60,23 @@ std::shared_ptr<const StoredLines> MapKeeper::read_lines() const {
 /// first.
 std::string MapKeeper::make_room(std::int64_t utime) {
   if (!keep_earlier_) return {};
-  if (has_begun_) {
+  if (state_ == State::kRecording) {
     begin_writing();
     await_writing();
   }
   if (!pending_.keep_in.empty()) return pending_.keep_in;  // the disk is full
   if (store_->first_utime() == 0) return {};
   const std::string file = store_->free_name();
-  if (has_begun_) earlier_ = {.file = file, .first_utime = store_->first_utime(), .made_room = utime};
+  if (state_ == State::kRecording) earlier_.move_aside(file, store_->first_utime(), utime);
   return file;
 }
 
 void MapKeeper::corrected_from(std::int64_t first_utime) {
-  if (!earlier_ || std::abs(first_utime - earlier_->first_utime) > kFirstPose) return;
-  remove_superseded();
-  superseded_ = earlier_->file;
-  pending_.superseded = superseded_;
-  earlier_.reset();
-}
-
-void MapKeeper::remove_superseded() {
-  std::error_code ignored;  // it stays, then
-  if (!superseded_.empty()) std::filesystem::remove(std::exchange(superseded_, {}), ignored);
+  if (earlier_.correct(first_utime)) pending_.superseded = earlier_.superseded();
 }
 
 void MapKeeper::put(const tile::MapTile& tile) {
-  if (store_) add(tile);
+  if (keeps()) add(tile);
 }
 
 void MapKeeper::add(const tile::MapTile& tile) {
@@ -98,7 +90,7 @@ void MapKeeper::add(const tile::MapTile& tile) {
 }
 
 void MapKeeper::put(const tile::TrajectoryPose& pose) {
-  if (!store_) return;
+  if (!keeps()) return;
   newest_utime_ = std::max(newest_utime_, pose.utime);
   if (pending_.trajectory.size() < kMaxPoses)
     pending_.trajectory.push_back(pose);
@@ -107,11 +99,11 @@ void MapKeeper::put(const tile::TrajectoryPose& pose) {
 }
 
 void MapKeeper::put(LinkLines lines) {
-  if (store_) pending_.link_lines = std::move(lines);
+  if (keeps()) pending_.link_lines = std::move(lines);
 }
 
 void MapKeeper::write() {
-  if (!store_ || busy()) return;
+  if (!keeps() || busy()) return;
   const bool has_changed = pending_.clear || !pending_.tiles.empty() || !pending_.trajectory.empty() ||
                            pending_.lines || pending_.link_lines || pending_.superseded;
   if (has_changed) begin_writing();
@@ -186,29 +178,27 @@ void MapKeeper::take_back() {
 }
 
 std::string MapKeeper::fault() const {
-  if (!fault_.empty()) return fault_;
-  if (earlier_ && newest_utime_ - earlier_->made_room > kCorrection)
-    return fmt::format("the mapper began a new map in mid-drive; what was mapped before is kept in {}", earlier_->file);
-  return {};
+  return fault_.empty() ? earlier_.fault(newest_utime_) : fault_;
 }
 
 void MapKeeper::finish(tile::MapLines lines) {
-  if (!store_) return;
+  if (!keeps()) return;
   await_writing();
   pending_.link_lines = nullptr;
   pending_.lines = std::move(lines);
-  if (!superseded_.empty()) pending_.superseded = "";  // a closed map names none
+  if (!earlier_.superseded().empty()) pending_.superseded = "";  // a closed map names none
   begin_writing();
   await_writing();
   if (!fault_.empty()) return;
   try {
     store_->close_canonical();
-    remove_superseded();
+    earlier_.remove_superseded();
   } catch (const MapStoreError& error) {
     counters_.add("faults.store");
     fault_ = error.what();
   }
   store_.reset();
+  state_ = State::kClosed;
 }
 
 }  // namespace curbstone::semantic_map::store

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/bus/counters.hpp"
+#include "services/semantic_map/store/earlier_drive.hpp"
 #include "services/semantic_map/store/map_store.hpp"
 
 namespace curbstone::semantic_map::store {
@@ -25,6 +26,14 @@ struct StoredLines {
 /// bound (and as many again while a write is under way), reports the fault, and writes when it can again. Calls come
 /// from one thread.
 ///
+/// | state | event | next |
+/// |---|---|---|
+/// | kNoFile: nothing is stored | any | kNoFile |
+/// | kIdle: the file may hold the drive of an earlier process | start() | kRecording |
+/// | kRecording | start() of another drive: the stored one is moved aside (EarlierDrive) | kRecording |
+/// | kIdle, kRecording | finish() | kClosed; unchanged if the file cannot be written |
+/// | kClosed | any | kClosed |
+///
 /// Counters, of confirmed writes: store.transactions, store.tiles, faults.store; dropped.unstored_tiles,
 /// dropped.unstored_poses.
 class MapKeeper {
@@ -38,7 +47,7 @@ class MapKeeper {
   MapKeeper& operator=(const MapKeeper&) = delete;
 
   /// Whether the map is stored in a file.
-  [[nodiscard]] bool keeps() const { return store_ != nullptr; }
+  [[nodiscard]] bool keeps() const { return state_ == State::kIdle || state_ == State::kRecording; }
   /// Begins a drive (first pose, or a new epoch of the map). If the file has the same drive (the service was
   /// restarted), it is continued. Any other drive is moved to a file beside it.
   void start(std::int32_t epoch, std::int64_t utime);
@@ -71,6 +80,7 @@ class MapKeeper {
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
+  enum class State { kNoFile, kIdle, kRecording, kClosed };
   /// Changes that the file lacks.
   struct Changes {
     bool clear = false;   // first discard all that is stored
@@ -87,25 +97,18 @@ class MapKeeper {
   void await_writing();
   void take_back();
   [[nodiscard]] std::shared_ptr<const StoredLines> read_lines() const;
+  [[nodiscard]] bool continues_stored(std::int32_t epoch, std::int64_t utime) const;
   [[nodiscard]] std::string make_room(std::int64_t utime);
-  void remove_superseded();
   void add(const tile::MapTile& tile);
   [[nodiscard]] MapStore::Batch batch_under_way() const;
 
   std::string path_;
-  std::unique_ptr<MapStore> store_;
+  State state_ = State::kNoFile;
+  std::unique_ptr<MapStore> store_;  // not null in kIdle and kRecording
   std::shared_ptr<const StoredLines> previous_lines_;
-  /// The drive that was moved aside while this process ran.
-  struct Earlier {
-    std::string file;
-    std::int64_t first_utime = 0;
-    std::int64_t made_room = 0;  // utime at which it was
-  };
   std::size_t max_pending_;
   bool keep_earlier_;
-  bool has_begun_ = false;
-  std::optional<Earlier> earlier_;
-  std::string superseded_;  // file of this drive before its correction, until all tiles have come again
+  EarlierDrive earlier_;
   std::int32_t epoch_ = 0;
   std::int64_t newest_utime_ = 0;  // of a pose
   Changes pending_;

@@ -7,7 +7,6 @@
 #include <SQLiteCpp/Transaction.h>
 #include <SQLiteCpp/VariadicBind.h>
 #include <fcntl.h>
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <sqlite3.h>
 #include <sys/file.h>
@@ -17,11 +16,11 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <ctime>
 #include <filesystem>
 #include <span>
 #include <vector>
 
+#include "common/time/dated_path.hpp"
 #include "services/semantic_map/store/map_file.hpp"
 #include "services/semantic_map/store/map_store_blobs.hpp"
 
@@ -215,13 +214,7 @@ std::string MapStore::stored_superseded() const {
 
 std::string MapStore::free_name() const {
   const std::filesystem::path file(path_);
-  const std::time_t second = first_utime_ / 1'000'000;
-  const std::string stem = fmt::format("{}-{:%Y%m%dT%H%M%SZ}", file.stem().string(), fmt::gmtime(second));
-  std::filesystem::path name;
-  std::error_code ignored;
-  for (int i = 1; i == 1 || std::filesystem::exists(name, ignored); ++i)
-    name = file.parent_path() / (stem + (i == 1 ? "" : fmt::format("-{}", i)) + file.extension().string());
-  return name.string();
+  return free_dated_path((file.parent_path() / file.stem()).string(), first_utime_, file.extension().string());
 }
 
 /// A copy, not a rename: readers may have the file open and must keep a consistent map.

@@ -119,7 +119,7 @@ TEST(LcmBus, LivesWithFragmentsThatLieOutsideTheirMessage) {
 TEST(LcmBus, ATapHearsLargeMessagesOfTheChannelsThatItAskedFor) {
   constexpr const char* kUrl = "udpm://239.255.76.67:7682?ttl=0";
   LcmBus recorder(kUrl);
-  recorder.hear_large({"CLOUD"});
+  recorder.receive_large({"CLOUD"});
   std::map<std::string, std::vector<std::uint8_t>> heard;
   recorder.tap(
       [&](const std::string& channel, const void* data, int size, std::int64_t) {

@@ -85,25 +85,25 @@ TEST_F(StatusOfAService, HasOtherFaultsWhenAFaultComesOrGoesAndNotWhenItsNumbers
 TEST_F(StatusOfAService, TellsOfAnotherProcessOfItsNameWhileThereIsOne) {
   pass(1'000'000);
   service_status_t other = heard_;
-  const auto hear_other = [&](std::int64_t ago) {
+  const auto receive_other = [&](std::int64_t ago) {
     other.utime = wall_ - ago;
     reporter_.on_status(other);
     reporter_.on_status(heard_);
     pass(1'000'000);
   };
-  for (int i = 0; i < 3; ++i) hear_other(0);
+  for (int i = 0; i < 3; ++i) receive_other(0);
   EXPECT_THAT(heard_.fault, IsEmpty()) << "that was itself";
   other.pid = heard_.pid + 1;
-  hear_other(0);
+  receive_other(0);
   EXPECT_THAT(heard_.fault, IsEmpty()) << "a predecessor's last word";
-  hear_other(0);
+  receive_other(0);
   EXPECT_THAT(heard_.fault, ElementsAre(HasSubstr("another process has this name")));
   for (int i = 0; i < 4; ++i) pass(1'000'000);
   EXPECT_THAT(heard_.fault, IsEmpty());
-  for (int i = 0; i < 3; ++i) hear_other(3'600'000'000);
+  for (int i = 0; i < 3; ++i) receive_other(3'600'000'000);
   EXPECT_THAT(heard_.fault, IsEmpty()) << "a log is played";
   other.service = "ekf";
-  for (int i = 0; i < 3; ++i) hear_other(0);
+  for (int i = 0; i < 3; ++i) receive_other(0);
   EXPECT_THAT(heard_.fault, IsEmpty());
 }
 

@@ -26,22 +26,22 @@ tile_index_t index_of(std::int32_t poses, std::int64_t now, std::int32_t epoch =
 class DriveFollowerTest : public testing::Test {
  protected:
   DriveFollowerTest() { follower_.start_epoch(1); }
-  void hear(int from, int to) {
+  void receive(int from, int to) {
     for (int i = from; i < to; ++i) follower_.add(kPageStart + i * 50'000);
   }
   DriveFollower follower_{"listener"};
 };
 
 TEST_F(DriveFollowerTest, AsksForNothingWhileItHasAllPoses) {
-  hear(0, 20);
+  receive(0, 20);
   follower_.announced(index_of(20, kPageStart + 1'000'000));
   EXPECT_EQ(follower_.make_request(kPageStart + 5'000'000).num_tiles, 0);
   EXPECT_FALSE(follower_.fault());
 }
 
 TEST_F(DriveFollowerTest, AsksForThePageOfPosesThatItLacksAndSaysSoUntilItHasThem) {
-  hear(0, 5);
-  hear(15, 20);
+  receive(0, 5);
+  receive(15, 20);
   follower_.announced(index_of(20, kPageStart + 1'000'000));
   EXPECT_EQ(follower_.make_request(kPageStart + 1'100'000).num_tiles, 0) << "they may be on their way";
   const tile_request_t request = follower_.make_request(kPageStart + 1'400'000);
@@ -50,7 +50,7 @@ TEST_F(DriveFollowerTest, AsksForThePageOfPosesThatItLacksAndSaysSoUntilItHasThe
   EXPECT_EQ((TileKey{request.tile_x[0], request.tile_y[0]}), kPage);
   EXPECT_EQ(request.have[0], 10);
   EXPECT_TRUE(follower_.fault());
-  hear(0, 20);
+  receive(0, 20);
   EXPECT_FALSE(follower_.fault());
   EXPECT_EQ(follower_.make_request(kPageStart + 9'000'000).num_tiles, 0);
 }

@@ -42,19 +42,19 @@ std::string table_of(const Sheriff& sheriff, std::int64_t now) {
 
 class SheriffTest : public ::testing::Test {
  protected:
-  void hear(std::vector<procman_lcm::cmd_status_t> cmds, std::int64_t after = 0) {
+  void receive(std::vector<procman_lcm::cmd_status_t> cmds, std::int64_t after = 0) {
     sheriff_.on(report(std::move(cmds)), kNow + after);
   }
   Sheriff sheriff_{"host:1:1"};
 };
 
 TEST_F(SheriffTest, GivesNoOrdersBeforeSomethingIsAsked) {
-  hear({command("a", 10, 4)});
+  receive({command("a", 10, 4)});
   EXPECT_FALSE(sheriff_.orders("d", kNow));
 }
 
 TEST_F(SheriffTest, OrdersEverythingElseToStayAsItIs) {
-  hear({command("a", 10, 4), command("b", 0, 7), command("c", 0, 0)});
+  receive({command("a", 10, 4), command("b", 0, 7), command("c", 0, 0)});
   sheriff_.start("c");
   const auto orders = sheriff_.orders("d", kNow);
   ASSERT_TRUE(orders);
@@ -68,21 +68,21 @@ TEST_F(SheriffTest, OrdersEverythingElseToStayAsItIs) {
 }
 
 TEST_F(SheriffTest, FollowsADeputyThatWasStartedAgain) {
-  hear({command("a", 10, 4), command("b", 0, 0)});
+  receive({command("a", 10, 4), command("b", 0, 0)});
   sheriff_.start("b");
-  hear({command("a", 20, 1), command("b", 0, 0)});
+  receive({command("a", 20, 1), command("b", 0, 0)});
   EXPECT_EQ(sheriff_.orders("d", kNow)->cmds[0].desired_runid, 1) << "4 would stop a";
 }
 
 TEST_F(SheriffTest, ForgetsWhatADeputyNoLongerReports) {
-  hear({command("a", 10, 4), command("b", 0, 0)});
+  receive({command("a", 10, 4), command("b", 0, 0)});
   sheriff_.on(report({command("x", 1, 1)}, "other"), kNow);
-  hear({command("b", 0, 0)});
+  receive({command("b", 0, 0)});
   EXPECT_THAT(sheriff_.resolve("everything"), ElementsAre("b", "x"));
 }
 
 TEST_F(SheriffTest, NamesAreCommandsAndGroupsWithTheirSubgroups) {
-  hear({command("a", 0, 0), command("b", 0, 0)});
+  receive({command("a", 0, 0), command("b", 0, 0)});
   EXPECT_THAT(sheriff_.resolve("a"), ElementsAre("a"));
   EXPECT_THAT(sheriff_.resolve("top/b"), ElementsAre("b"));
   EXPECT_THAT(sheriff_.resolve("top"), ElementsAre("a", "b"));
@@ -90,24 +90,24 @@ TEST_F(SheriffTest, NamesAreCommandsAndGroupsWithTheirSubgroups) {
 }
 
 TEST_F(SheriffTest, ARestartIsDoneWhenTheNewRunHasLivedForASecond) {
-  hear({command("a", 10, 4)});
+  receive({command("a", 10, 4)});
   sheriff_.restart("a");
   EXPECT_EQ(sheriff_.orders("d", kNow)->cmds[0].desired_runid, 5);
-  hear({command("a", 0, 4)});
+  receive({command("a", 0, 4)});
   EXPECT_EQ(sheriff_.progress("a"), Progress::kUnderWay) << "the old run has ended";
-  hear({command("a", 11, 5)}, 6'000'000);
+  receive({command("a", 11, 5)}, 6'000'000);
   EXPECT_EQ(sheriff_.progress("a"), Progress::kUnderWay);
-  hear({command("a", 11, 5)}, 6'900'000);
+  receive({command("a", 11, 5)}, 6'900'000);
   EXPECT_EQ(sheriff_.progress("a"), Progress::kUnderWay);
-  hear({command("a", 11, 5)}, 7'000'000);
+  receive({command("a", 11, 5)}, 7'000'000);
   EXPECT_EQ(sheriff_.progress("a"), Progress::kDone);
   EXPECT_EQ(sheriff_.commands().at("a").restarts, 1);
 }
 
 TEST_F(SheriffTest, ADeputyThatDiedHasDoneNothing) {
-  hear({command("a", 10, 4)});
+  receive({command("a", 10, 4)});
   sheriff_.restart("a");
-  hear({command("a", 11, 5)}, 1'000'000);
+  receive({command("a", 11, 5)}, 1'000'000);
   sheriff_.on(report({command("x", 1, 1)}, "other"), kNow + 60'000'000);
   EXPECT_EQ(sheriff_.progress("a"), Progress::kUnderWay) << "nobody has said that it lived on";
 }
@@ -115,11 +115,11 @@ TEST_F(SheriffTest, ADeputyThatDiedHasDoneNothing) {
 TEST_F(SheriffTest, AProcessIsReadyByItsOwnWordNotByThatOfTheOneBefore) {
   service_status_t status{};
   status.service = "a";
-  hear({command("a", 10, 4)});
+  receive({command("a", 10, 4)});
   EXPECT_FALSE(sheriff_.commands().at("a").ready()) << "it has said nothing";
   sheriff_.on(status, kNow);
   EXPECT_TRUE(sheriff_.commands().at("a").ready());
-  hear({command("a", 11, 5)});
+  receive({command("a", 11, 5)});
   EXPECT_FALSE(sheriff_.commands().at("a").ready());
   status.num_faults = 1;
   status.fault = {"no LiDAR"};
@@ -128,7 +128,7 @@ TEST_F(SheriffTest, AProcessIsReadyByItsOwnWordNotByThatOfTheOneBefore) {
 }
 
 TEST_F(SheriffTest, TellsWhatADeputySaysOfItsCommands) {
-  hear({command("a", 10, 4)});
+  receive({command("a", 10, 4)});
   service_status_t status{};
   status.service = "deputy:d";
   status.num_faults = 1;
@@ -154,26 +154,26 @@ TEST_F(SheriffTest, TwoDeputiesWithTheSameCommandsAreTwoStacks) {
 }
 
 TEST_F(SheriffTest, AStartFailsWhenTheCommandDoes) {
-  hear({command("a", 0, 0), command("b", 0, 0)});
+  receive({command("a", 0, 0), command("b", 0, 0)});
   sheriff_.start("a");
   sheriff_.start("b");
-  hear({command("a", 0, 1, 0x300), command("b", 0, 1, 0)});
+  receive({command("a", 0, 1, 0x300), command("b", 0, 1, 0)});
   EXPECT_EQ(sheriff_.progress("a"), Progress::kFailed);
   EXPECT_EQ(sheriff_.progress("b"), Progress::kDone) << "it has done its work";
 }
 
 TEST_F(SheriffTest, AStopIsDoneWhenAReportSaysSo) {
-  hear({command("a", 10, 4)});
+  receive({command("a", 10, 4)});
   sheriff_.stop("a");
   EXPECT_EQ(sheriff_.orders("d", kNow)->cmds[0].force_quit, 1);
-  hear({command("a", 10, 4)});
+  receive({command("a", 10, 4)});
   EXPECT_EQ(sheriff_.progress("a"), Progress::kUnderWay);
-  hear({command("a", 0, 4, 2)});
+  receive({command("a", 0, 4, 2)});
   EXPECT_EQ(sheriff_.progress("a"), Progress::kDone);
 }
 
 TEST_F(SheriffTest, StartingWhatRunsChangesNothing) {
-  hear({command("a", 10, 4)});
+  receive({command("a", 10, 4)});
   sheriff_.start("a");
   EXPECT_EQ(sheriff_.orders("d", kNow)->cmds[0].desired_runid, 4);
 }
@@ -206,18 +206,18 @@ TEST_F(SheriffTest, KnowsAnotherSheriffByItsOrdersButNotFromAPlayedLog) {
 }
 
 TEST_F(SheriffTest, AReportFromAPlayedLogIsLeftOut) {
-  hear({command("a", 10, 4)}, 31'000'000);
+  receive({command("a", 10, 4)}, 31'000'000);
   EXPECT_TRUE(sheriff_.commands().empty());
 }
 
 TEST_F(SheriffTest, RunIdsGoOnAtOneAfterTheLargest) {
-  hear({command("a", 10, INT32_MAX)});
+  receive({command("a", 10, INT32_MAX)});
   sheriff_.restart("a");
   EXPECT_EQ(sheriff_.orders("d", kNow)->cmds[0].desired_runid, 1);
 }
 
 TEST_F(SheriffTest, TheTableShowsFaultsInWordsAndNoControlCharacters) {
-  hear({command("a", 10, 1), command("b", 0, 1, 0x0b), command("c", 0, 1, 0x200)});
+  receive({command("a", 10, 1), command("b", 0, 1, 0x0b), command("c", 0, 1, 0x200)});
   service_status_t status{};
   status.service = "a";
   status.fault = {"no \x1b[2Jdata"};
@@ -230,7 +230,7 @@ TEST_F(SheriffTest, TheTableShowsFaultsInWordsAndNoControlCharacters) {
 }
 
 TEST_F(SheriffTest, TheTableDoesNotShowTheLastWordOfADeadDeputyAsThePresent) {
-  hear({command("a", 10, 1)});
+  receive({command("a", 10, 1)});
   EXPECT_THAT(table_of(sheriff_, kNow + 5'000'000), HasSubstr("running"));
   const std::string later = table_of(sheriff_, kNow + 5'000'001);
   EXPECT_THAT(later, HasSubstr("unknown: deputy silent"));

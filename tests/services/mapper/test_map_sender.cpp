@@ -54,14 +54,14 @@ class MapSenderTest : public testing::Test {
 
 TEST_F(MapSenderTest, SendsOfATileWhatHasNotGoneOutYet) {
   fill(map, {0, 0}, 100);
-  sender.changed({{0, 0}});
+  sender.queue_tiles({{0, 0}});
   ASSERT_EQ(sent_at_once().size(), 1U);
   EXPECT_EQ(sent[0].first, 0);
   EXPECT_EQ(sent[0].num_points, 100);
   EXPECT_TRUE(sent_at_once().empty());
   map = dense_map::DenseMap(config::DenseConfig{});
   fill(map, {0, 0}, 130);
-  sender.changed({{0, 0}, {0, 0}});
+  sender.queue_tiles({{0, 0}, {0, 0}});
   ASSERT_EQ(sent_at_once().size(), 1U);
   EXPECT_EQ(sent[0].first, 100);
   EXPECT_EQ(sent[0].num_points, 30);
@@ -70,7 +70,7 @@ TEST_F(MapSenderTest, SendsOfATileWhatHasNotGoneOutYet) {
 TEST_F(MapSenderTest, ALargeTileGoesOutInPartsAndLetsOthersInBetween) {
   fill(map, {0, 0}, 10'000);
   fill(map, {1, 0}, 10);
-  sender.changed({{0, 0}, {1, 0}});
+  sender.queue_tiles({{0, 0}, {1, 0}});
   std::vector<int> first;
   for (int turn = 0; turn < 4; ++turn) {
     int points = 0;
@@ -129,7 +129,7 @@ TEST_F(MapSenderTest, WhatIsSeenForTheFirstTimeDoesNotWaitBehindAMapThatGoesOutA
   sender.start_epoch(1, map, Eigen::Vector3d::Zero(), {});
   (void)sent_at_once();
   fill(map, {2, 0}, 10);
-  sender.changed({{2, 0}});
+  sender.queue_tiles({{2, 0}});
   const auto now_sent = sent_at_once();
   ASSERT_FALSE(now_sent.empty());
   EXPECT_EQ(key_of(now_sent.front()), (TileKey{2, 0}));
@@ -152,7 +152,7 @@ TEST_F(MapSenderTest, WhatTheVehicleComesNearToGoesBeforeTheRest) {
 
 TEST_F(MapSenderTest, AnswersARequestFromWhatTheAskerHasAndNoMoreThanHasGoneOut) {
   fill(map, {2, 3}, 4000);
-  sender.changed({{2, 3}});
+  sender.queue_tiles({{2, 3}});
   EXPECT_EQ(sent_at_once().front().num_points, 3000);
   tile_request_t request{};
   request.channel = "MAP_POINTS";
@@ -172,7 +172,7 @@ TEST_F(MapSenderTest, AnswersARequestFromWhatTheAskerHasAndNoMoreThanHasGoneOut)
 TEST_F(MapSenderTest, WhatTheMapHasGivenUpIsNotAnnouncedAnyMore) {
   fill(map, {0, 0}, 5);
   fill(map, {1, 0}, 5);
-  sender.changed({{0, 0}, {1, 0}, {9, 9}});  // the last was given up while it waited
+  sender.queue_tiles({{0, 0}, {1, 0}, {9, 9}});  // the last was given up while it waited
   EXPECT_EQ(sent_at_once().size(), 2U);
   sender.forget({{0, 0}});
   sender.send_index(kStart, Eigen::Vector3d::Zero());
@@ -183,7 +183,7 @@ TEST_F(MapSenderTest, WhatTheMapHasGivenUpIsNotAnnouncedAnyMore) {
 
 TEST_F(MapSenderTest, AtTheEndAllThatWaitsGoesOut) {
   fill(map, {0, 0}, 20'000);
-  sender.changed({{0, 0}});
+  sender.queue_tiles({{0, 0}});
   sender.finish(map);
   bus.dispatch();
   EXPECT_EQ(sent.back().first + sent.back().num_points, 20'000);
@@ -196,7 +196,7 @@ TEST_F(MapSenderTest, AnnouncesTheDriveAndSaysAPageOfItAgain) {
     if (m.channel == "MAP_TRAJECTORY") of_drive = m;
   });
   sender.start_epoch(7, map, {0, 0, 0}, {});
-  for (int i = 0; i < 10; ++i) sender.posed({kStart + i * 50'000, i, Pose::Identity()});
+  for (int i = 0; i < 10; ++i) sender.add_pose({kStart + i * 50'000, i, Pose::Identity()});
   sender.send_index(kStart, {0, 0, 0});
   bus.dispatch();
   ASSERT_EQ(of_drive.num_tiles, 1);

@@ -51,8 +51,8 @@ TEST(Mapper, MakesTheSameMapWithASecondThreadAsWithoutAndWheneverThereIsAPause) 
     for (int i = 0; i < 60; ++i) {
       (void)drive->step();
       if (drive != &two || i % 3 == 0) continue;
-      drive->mapper->wait_grown();
-      drive->mapper->use_the_pause();
+      drive->mapper->wait_inserted();
+      drive->mapper->begin_free_space_removal();
       if (i % 2 == 0) (void)drive->mapper->take_changed();
     }
     (void)drive->mapper->finish();

@@ -138,7 +138,7 @@ TEST(MapperResend, ManyRevolutionsThatBecomeDueAtOnceAreWorkedOnInTurns) {
   bus.dispatch();
   const std::size_t before = poses.size();
   EXPECT_LT(before, 20U) << "what lies behind the gap waits";
-  node.on_again(sensors.packets[kLost]);
+  node.on_resent(sensors.packets[kLost]);
   bus.dispatch();
   EXPECT_LT(poses.size(), static_cast<std::size_t>(kRevolutions) - 1) << "a status is due each second";
   for (int i = 0; i < kRevolutions; ++i) node.tick(test::utime(kRevolutions * test::kPeriod));

@@ -19,7 +19,7 @@ class RecorderTest : public ::testing::Test {
  protected:
   RecorderTest() { config_.file = folder_ / "drive.lcmlog"; }
 
-  void say(int first, int last) {
+  void send(int first, int last) {
     for (imu_t message{}; first <= last; ++first) {
       message.utime = message.sequence = first;
       bus_.publish("IMU", message);
@@ -45,7 +45,7 @@ class RecorderTest : public ::testing::Test {
 
 TEST_F(RecorderTest, WritesWhatIsSaidOnAnyChannelInItsOrder) {
   RecorderNode node(config_, bus_, kStart);
-  say(1, 3);
+  send(1, 3);
   node.finish();
   EXPECT_EQ(heard(), (std::vector<int>{1, 2, 3}));
   EXPECT_EQ(node.report().counters["messages"], 3);
@@ -55,7 +55,7 @@ TEST_F(RecorderTest, LeavesOutTheVotesUnlessToldOtherwise) {
   const auto record = [this] {
     RecorderNode node(config_, bus_, kStart);
     bus_.publish("VOTED_POINTS", imu_t{});
-    say(1, 1);
+    send(1, 1);
     node.finish();
     return node.report().counters["messages"];
   };
@@ -67,7 +67,7 @@ TEST_F(RecorderTest, LeavesOutTheVotesUnlessToldOtherwise) {
 TEST_F(RecorderTest, WhatWasSaidASecondAgoIsOnFileBeforeTheEnd) {
   RecorderNode node(config_, bus_, kStart);
   node.tick(10'000'000);
-  say(1, 3);
+  send(1, 3);
   node.tick(11'000'000);
   EXPECT_EQ(heard(), (std::vector<int>{1, 2, 3}));
 }
@@ -75,11 +75,11 @@ TEST_F(RecorderTest, WhatWasSaidASecondAgoIsOnFileBeforeTheEnd) {
 TEST_F(RecorderTest, NeverOverwritesALog) {
   {
     RecorderNode node(config_, bus_, kStart);
-    say(1, 2);
+    send(1, 2);
   }
   {
     RecorderNode node(config_, bus_, kStart);
-    say(3, 4);
+    send(3, 4);
   }
   EXPECT_EQ(heard(), (std::vector<int>{1, 2}));
   EXPECT_EQ(heard(".1"), (std::vector<int>{3, 4}));
@@ -113,7 +113,7 @@ TEST_F(RecorderTest, AFolderThatIsNotThereIsOneClearError) {
 TEST_F(RecorderTest, SaysThatTheDiskIsFullAndGoesOnWhenThereIsRoomAgain) {
   RecorderNode node(config_, bus_, kStart);
   node.tick(10'000'000);
-  say(1, 3);
+  send(1, 3);
   node.tick(11'000'000);
 
   std::signal(SIGXFSZ, SIG_IGN);
@@ -122,15 +122,15 @@ TEST_F(RecorderTest, SaysThatTheDiskIsFullAndGoesOnWhenThereIsRoomAgain) {
   rlimit full = before;
   full.rlim_cur = 0;
   setrlimit(RLIMIT_FSIZE, &full);
-  say(4, 6);
+  send(4, 6);
   node.tick(12'000'000);
   ASSERT_EQ(node.report().faults.size(), 1U);
   EXPECT_NE(node.report().faults[0].find("cannot be written"), std::string::npos);
-  say(7, 9);
+  send(7, 9);
   EXPECT_EQ(node.report().counters["lost.unwritten"], 6);
   for (int second = 13; second < 17; ++second) {  // tries in vain, and leaves no heap of empty files
     node.tick(second * 1'000'000);
-    say(10, 10);
+    send(10, 10);
     EXPECT_FALSE(node.report().faults.empty());
   }
 
@@ -138,7 +138,7 @@ TEST_F(RecorderTest, SaysThatTheDiskIsFullAndGoesOnWhenThereIsRoomAgain) {
   node.tick(20'000'000);
   node.tick(21'000'000);
   EXPECT_TRUE(node.report().faults.empty());
-  say(11, 12);
+  send(11, 12);
   node.finish();
   EXPECT_EQ(heard(), (std::vector<int>{1, 2, 3})) << "what was written before stays";
   ASSERT_TRUE(exists(".1"));

@@ -28,7 +28,7 @@ class SessionTest : public ::testing::Test {
     config_.keep_free = 0;
   }
 
-  void say_config(const std::string& service, const std::string& yaml) {
+  void send_config(const std::string& service, const std::string& yaml) {
     service_config_t message;
     message.utime = kSessionStart;
     message.service = service;
@@ -71,7 +71,7 @@ TEST_F(SessionTest, IsAFolderNamedByItsStartInUtc) {
   {
     RecorderNode node(config_, bus_, kSessionStart);
     bus_.publish("IMU", imu_t{});
-    say_config("ekf", "ekf:\n  a: 1\n");
+    send_config("ekf", "ekf:\n  a: 1\n");
     node.finish();
     EXPECT_THAT(channels(session / "drive-000.lcmlog"), ElementsAre("IMU", "CONFIG"));
   }
@@ -105,8 +105,8 @@ TEST_F(SessionTest, EachFileBeginsWithTheConfigurationThatIsKnown) {
 
 TEST_F(SessionTest, ProcessesThatShareASectionAndDifferAreNamed) {
   RecorderNode node(config_, bus_, kSessionStart);
-  say_config("tensor_voting:1", "tensor_voting:\n  a: 1\n");
-  say_config("tensor_voting:2", "tensor_voting:\n  a: 2\n");
+  send_config("tensor_voting:1", "tensor_voting:\n  a: 1\n");
+  send_config("tensor_voting:2", "tensor_voting:\n  a: 2\n");
   const std::string yaml = text(folder_ / "log" / "2026-11-23T205200Z" / "config.yaml");
   EXPECT_THAT(yaml, HasSubstr("# tensor_voting:2 on ugv is configured otherwise"));
   EXPECT_EQ(yaml.find("a: 2"), std::string::npos) << "a section stands once in a YAML file";

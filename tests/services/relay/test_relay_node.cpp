@@ -41,7 +41,7 @@ struct Host {
     bus.subscribe<imu_t>("IMU", [this](const imu_t& m) { heard.push_back(m.sequence); });
     bus.subscribe<map_points_t>("MAP_POINTS", [this](const map_points_t& m) { points.push_back(m.num_points); });
   }
-  void say(int sequence) {
+  void send(int sequence) {
     imu_t message{};
     message.sequence = sequence;
     bus.publish("IMU", message);
@@ -97,11 +97,11 @@ class RelayNodeTest : public ::testing::Test {
 
 TEST_F(RelayNodeTest, WhatOneHostSaysTheOtherHearsOnce) {
   start_both("192.168.2.2");
-  one_->say(1);
+  one_->send(1);
   ASSERT_TRUE(run_until([&] { return !two_->heard.empty(); }));
-  two_->say(2);
+  two_->send(2);
   ASSERT_TRUE(run_until([&] { return one_->heard.size() == 2; }));
-  one_->say(3);  // behind all that could come twice
+  one_->send(3);  // behind all that could come twice
   ASSERT_TRUE(run_until([&] { return one_->heard.size() >= 3 && two_->heard.size() >= 3; }));
   EXPECT_THAT(one_->heard, ElementsAre(1, 2, 3));
   EXPECT_THAT(two_->heard, ElementsAre(1, 2, 3));
@@ -122,13 +122,13 @@ TEST_F(RelayNodeTest, TheLongestMessagesOfTheBusPass) {
 TEST_F(RelayNodeTest, APulledCableCostsTheOwnBusNothing) {
   start_both("192.168.2.2");
   tick();
-  one_->say(0);
+  one_->send(0);
   ASSERT_TRUE(run_until([&] { return !two_->heard.empty(); }));
   EXPECT_THAT(one_->relay->report().faults, IsEmpty());
   shell("ip link set cable0 down");
   for (int i = 1; i <= 200; ++i) {
-    one_->say(i);
-    two_->say(1000 + i);
+    one_->send(i);
+    two_->send(1000 + i);
   }
   ASSERT_TRUE(run_until([&] { return one_->heard.size() == 201 && two_->heard.size() == 201; }));
   for (int i = 0; i < 5; ++i) tick();
@@ -141,7 +141,7 @@ TEST_F(RelayNodeTest, APulledCableCostsTheOwnBusNothing) {
   // The cable is ready a moment later; what is said until then is lost.
   int said = 300;
   ASSERT_TRUE(run_until([&] {
-    if (two_->heard.back() < 300 || two_->heard.back() >= 1000) one_->say(said++);
+    if (two_->heard.back() < 300 || two_->heard.back() >= 1000) one_->send(said++);
     return two_->heard.back() >= 300 && two_->heard.back() < 1000;
   }));
   ASSERT_TRUE(run_until([&] {
@@ -153,9 +153,9 @@ TEST_F(RelayNodeTest, APulledCableCostsTheOwnBusNothing) {
 
 TEST_F(RelayNodeTest, OneListOfHostsIsForAll) {
   start_both("192.168.2.1, 192.168.2.2");
-  one_->say(1);
+  one_->send(1);
   ASSERT_TRUE(run_until([&] { return !two_->heard.empty(); }));
-  one_->say(2);
+  one_->send(2);
   for (int i = 0; i < 5; ++i) tick();
   ASSERT_TRUE(run_until([&] { return one_->heard.size() >= 2 && two_->heard.size() >= 2; }));
   EXPECT_THAT(one_->heard, ElementsAre(1, 2)) << "it sends itself nothing";
@@ -165,7 +165,7 @@ TEST_F(RelayNodeTest, OneListOfHostsIsForAll) {
 TEST_F(RelayNodeTest, SomeChannelsStayWhereTheyAre) {
   start_both("192.168.2.2", "MAP_POINTS, LIDAR_POINTS");
   one_->bus.publish("MAP_POINTS", map_points_t{});
-  one_->say(1);
+  one_->send(1);
   ASSERT_TRUE(run_until([&] { return !two_->heard.empty() && !one_->points.empty(); }));
   EXPECT_THAT(two_->points, IsEmpty());
 }

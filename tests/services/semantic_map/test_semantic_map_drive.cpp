@@ -22,7 +22,7 @@ class LostPoses : public SemanticMapNodeTest {
     node_ = std::make_unique<SemanticMapNode>(config("map.db"), bus_);
     node_->connect(bus_);
   }
-  void say(int from, int to) {
+  void send(int from, int to) {
     for (int i = from; i < to; ++i) bus_.publish("MAP_POSE", pose_at(stamp(i), 0.15 * i));
     bus_.dispatch();
   }
@@ -83,8 +83,8 @@ class LostPoses : public SemanticMapNodeTest {
 
 TEST_F(LostPoses, AProcessThatWasStoppedForSecondsAsksForThePosesOfThatTime) {
   begin();
-  say(0, 100);
-  say(200, 260);  // stopped for 5 s
+  send(0, 100);
+  send(200, 260);  // stopped for 5 s
   pass_second(260);
   ASSERT_EQ(faults_.size(), 1U) << "named while they are missing";
   EXPECT_NE(faults_[0].find("poses of the drive are missing"), std::string::npos) << faults_[0];
@@ -101,13 +101,13 @@ TEST_F(LostPoses, AProcessThatWasStoppedForSecondsAsksForThePosesOfThatTime) {
 
 TEST_F(LostPoses, APoseThatIsOnlyAGuessIsNoneOfTheDrive) {
   begin();
-  say(0, 100);
+  send(0, 100);
   for (int i = 100; i < 120; ++i) {
     map_pose_t guess = pose_at(stamp(i), 50);
     guess.flags = map_pose_t::LOST;
     bus_.publish("MAP_POSE", guess);
   }
-  say(120, 140);
+  send(120, 140);
   const auto poses = stored();
   ASSERT_EQ(poses.size(), 120U);
   for (const auto& pose : poses) EXPECT_LT(pose.T_map_base.translation().x(), 0.15 * 140);
@@ -115,7 +115,7 @@ TEST_F(LostPoses, APoseThatIsOnlyAGuessIsNoneOfTheDrive) {
 
 TEST_F(LostPoses, NothingIsAskedWhenNothingWasLost) {
   begin();
-  say(0, 260);
+  send(0, 260);
   pass_second(260);
   EXPECT_TRUE(faults_.empty());
   EXPECT_EQ(asked_, 0);
@@ -124,20 +124,20 @@ TEST_F(LostPoses, NothingIsAskedWhenNothingWasLost) {
 
 TEST_F(LostPoses, TheSuccessorOfAKilledProcessGetsWhatWasSaidInBetweenAndGoesOnWithTheFile) {
   begin();
-  say(0, 100);
+  send(0, 100);
   node_->tick(stamp(100));  // writes
   node_.reset();
   bus_ = LocalBus();
   bus_.subscribe<tile_request_t>("TILE_REQUEST", [this](const tile_request_t& m) { answer(m); });
   begin();
-  say(120, 140);
+  send(120, 140);
   pass_second(140);
   EXPECT_EQ(stored().size(), 140U);
 }
 
 TEST_F(LostPoses, APageThatComesBeforeTheDriveHasBegunClearsNoMap) {
   begin();
-  say(0, 100);
+  send(0, 100);
   stored();
   node_.reset();
   bus_ = LocalBus();
@@ -151,7 +151,7 @@ TEST_F(LostPoses, APageThatComesBeforeTheDriveHasBegunClearsNoMap) {
   page.positions = {{0, 0, 0}};
   page.orientations = {{1, 0, 0, 0}};
   bus_.publish("MAP_TRAJECTORY", page);
-  say(101, 102);
+  send(101, 102);
   EXPECT_EQ(stored().size(), 101U);
 }
 

@@ -24,7 +24,7 @@ class ViewerNodeTest : public ::testing::Test {
     node_.tick(now_);
   }
   template <class Message>
-  void hear(const std::string& channel, const Message& message) {
+  void receive(const std::string& channel, const Message& message) {
     bus_.publish(channel, message);
     bus_.dispatch();
   }
@@ -82,8 +82,8 @@ class ViewerNodeTest : public ::testing::Test {
 };
 
 TEST_F(ViewerNodeTest, ShowsTilesPoseAndPathToAPage) {
-  hear("SEMANTIC_TILE", tile(3, 1));
-  hear("MAP_POSE", pose(kStart, 2));
+  receive("SEMANTIC_TILE", tile(3, 1));
+  receive("MAP_POSE", pose(kStart, 2));
   open();
   pass(0.2);
   ASSERT_EQ(page_.tiles.count({3, 0}), 1U);
@@ -92,20 +92,20 @@ TEST_F(ViewerNodeTest, ShowsTilesPoseAndPathToAPage) {
   EXPECT_EQ(state()["pose"]["x"], 2);
   EXPECT_EQ(state()["source"], "live");
   EXPECT_EQ(page_.path.size(), 3U);
-  hear("SEMANTIC_TILE", tile(4, 1));
+  receive("SEMANTIC_TILE", tile(4, 1));
   pass(0.2);
   EXPECT_EQ(page_.tiles.size(), 2U);
 }
 
 TEST_F(ViewerNodeTest, ForgetsAllWhenItBeginsAgainAndThePageForgetsWithIt) {
-  hear("SEMANTIC_TILE", tile(3, 2));
-  hear("MAP_POSE", pose(kStart, 2));
+  receive("SEMANTIC_TILE", tile(3, 2));
+  receive("MAP_POSE", pose(kStart, 2));
   open();
   pass(0.2);
   const double run = page_.run;
   node_.restart();
-  hear("SEMANTIC_TILE", tile(4, 1));
-  hear("MAP_POSE", pose(kStart - 5'000'000, 1));
+  receive("SEMANTIC_TILE", tile(4, 1));
+  receive("MAP_POSE", pose(kStart - 5'000'000, 1));
   pass(0.2);
   EXPECT_NE(page_.run, run);
   EXPECT_EQ(page_.tiles.count({3, 0}), 0U);
@@ -156,8 +156,8 @@ TEST_F(ViewerNodeTest, AsksForTilesThatItMissedWhetherOrNotAPageIsOpen) {
   index.tile_x = {3, 4};
   index.tile_y = {0, 0};
   index.version = {5, 5};
-  hear("SEMANTIC_TILE", tile(3, 5));
-  hear("TILE_INDEX", index);
+  receive("SEMANTIC_TILE", tile(3, 5));
+  receive("TILE_INDEX", index);
   pass(0.6);
   ASSERT_EQ(requests_.size(), 1U);
   EXPECT_EQ(requests_[0].tile_x, std::vector<std::int32_t>{4});
@@ -174,13 +174,13 @@ TEST_F(ViewerNodeTest, SendsTenFramesASecondAlsoWhenNothingHappens) {
 }
 
 TEST_F(ViewerNodeTest, APageThatSleepsGetsTwoFramesAndLaterEverything) {
-  hear("SEMANTIC_TILE", tile(0, 1));
+  receive("SEMANTIC_TILE", tile(0, 1));
   open();
   pass(0.3);
   sleeps_ = true;
   frames_ = 0;
   for (int i = 1; i < 200; ++i) {
-    hear("SEMANTIC_TILE", tile(i, 1));
+    receive("SEMANTIC_TILE", tile(i, 1));
     pass(0.1);
   }
   EXPECT_LE(frames_, 2);
@@ -192,7 +192,7 @@ TEST_F(ViewerNodeTest, APageThatSleepsGetsTwoFramesAndLaterEverything) {
 }
 
 TEST_F(ViewerNodeTest, SaysHowOldWhatItShowsIs) {
-  hear("MAP_POSE", pose(kStart, 0));
+  receive("MAP_POSE", pose(kStart, 0));
   open();
   pass(0.2);
   EXPECT_LT(state()["bus_age"].get<double>(), 0.3);
@@ -207,7 +207,7 @@ TEST_F(ViewerNodeTest, MeasuresFromTheSensorToTheDrawnFrame) {
   pass(0.2);
   semantic_tile_t message = tile(0, 1);
   message.utime = now_ - 50'000;
-  hear("SEMANTIC_TILE", message);
+  receive("SEMANTIC_TILE", message);
   pass(0.3);
   EXPECT_GT(state()["latency"][0].get<double>(), 0.05);
   EXPECT_LT(state()["latency"][0].get<double>(), 0.25);
@@ -219,7 +219,7 @@ TEST_F(ViewerNodeTest, TellsOfTheProcessesAndTheirFaults) {
   status.service = "mapper";
   status.fault = {"no odometry"};
   status.num_faults = 1;
-  hear("SERVICE_STATUS", status);
+  receive("SERVICE_STATUS", status);
   open();
   pass(1);
   const auto services = nlohmann::json::parse(page_.services);
@@ -230,12 +230,12 @@ TEST_F(ViewerNodeTest, TellsOfTheProcessesAndTheirFaults) {
 TEST_F(ViewerNodeTest, DoesNotTakeItsOwnStatusForALivingBus) {
   service_status_t own{};
   own.service = "viewer";
-  hear("SERVICE_STATUS", own);
+  receive("SERVICE_STATUS", own);
   open();
   pass(1);
   EXPECT_TRUE(state()["bus_age"].is_null()) << "nothing has been heard yet";
   own.service = "lidar";
-  hear("SERVICE_STATUS", own);
+  receive("SERVICE_STATUS", own);
   pass(0.3);
   EXPECT_LT(state()["bus_age"].get<double>(), 0.5);
 }
@@ -247,7 +247,7 @@ TEST_F(ViewerNodeTest, TakesTheLidarsPointsOnlyWhileAPageShowsThem) {
     points.num_points = 1;
     points.x = points.y = points.z = points.time_offset = {1};
     points.intensity = points.ring = {1};
-    hear("LIDAR_POINTS", points);
+    receive("LIDAR_POINTS", points);
   };
   open();
   pass(0.2);
@@ -264,8 +264,8 @@ TEST_F(ViewerNodeTest, TakesTheLidarsPointsOnlyWhileAPageShowsThem) {
 }
 
 TEST_F(ViewerNodeTest, ANewEpochOfTheMapperBeginsAnew) {
-  hear("SEMANTIC_TILE", tile(3, 1));
-  hear("MAP_POSE", pose(kStart, 0));
+  receive("SEMANTIC_TILE", tile(3, 1));
+  receive("MAP_POSE", pose(kStart, 0));
   open();
   pass(0.2);
   map_trajectory_t drive{};
@@ -276,9 +276,9 @@ TEST_F(ViewerNodeTest, ANewEpochOfTheMapperBeginsAnew) {
   drive.revolutions = {1, 2};
   drive.positions = {{1, 0, 0}, {2, 0, 0}};
   drive.orientations = {{1, 0, 0, 0}, {1, 0, 0, 0}};
-  hear("MAP_TRAJECTORY", drive);
+  receive("MAP_TRAJECTORY", drive);
   EXPECT_EQ(page_.tiles.size(), 1U) << "one message begins nothing";
-  hear("MAP_POSE", pose(kStart + 50'000, 3, kEpoch + 5));
+  receive("MAP_POSE", pose(kStart + 50'000, 3, kEpoch + 5));
   pass(0.2);
   EXPECT_EQ(page_.epoch, kEpoch + 5);
   EXPECT_EQ(page_.tiles.size(), 0U);
@@ -288,22 +288,22 @@ TEST_F(ViewerNodeTest, ANewEpochOfTheMapperBeginsAnew) {
 TEST_F(ViewerNodeTest, BadMessagesAreCounted) {
   semantic_tile_t bad = tile(3, 1);
   bad.cell_class[0] = 77;
-  hear("SEMANTIC_TILE", bad);
+  receive("SEMANTIC_TILE", bad);
   EXPECT_EQ(counted("refused.tile"), 1);
   map_pose_t nowhere = pose(kStart, NAN);
-  hear("MAP_POSE", nowhere);
+  receive("MAP_POSE", nowhere);
   EXPECT_EQ(counted("refused.pose"), 1);
   curb_lines_t curbs{};
   curbs.epoch = kEpoch;
   curbs.box_min[0] = NAN;
-  hear("CURBS", curbs);
+  receive("CURBS", curbs);
   EXPECT_EQ(counted("refused.curbs"), 1);
   marking_lines_t markings{};
   markings.epoch = kEpoch;
   markings.num_lines = 1;
   markings.lines.resize(1);
   markings.lines[0].width = NAN;
-  hear("MARKINGS", markings);
+  receive("MARKINGS", markings);
   EXPECT_EQ(counted("refused.markings"), 1);
 }
 

@@ -41,7 +41,7 @@ std::map<std::string, double> parsed(const std::string& text) {
 }
 
 template <class Message>
-void hear(spy::board::BusBoard& board, const std::string& channel, const Message& message, std::int64_t now) {
+void receive(spy::board::BusBoard& board, const std::string& channel, const Message& message, std::int64_t now) {
   const auto bytes = spy::encoded(message);
   board.on_message(channel, bytes.data(), bytes.size(), now);
 }
@@ -51,7 +51,7 @@ TEST(MetricsText, HasChannelsServicesAndProcesses) {
   for (int k = 0; k <= 100; ++k) {
     imu_t imu{};
     imu.sequence = k;
-    hear(board, "IMU", imu, kStart + k * 10'000);
+    receive(board, "IMU", imu, kStart + k * 10'000);
   }
   service_status_t status = spy::status_of("ekf", 3'000'000);
   status.cpu_time = 1'500'000;
@@ -59,7 +59,7 @@ TEST(MetricsText, HasChannelsServicesAndProcesses) {
   status.fault = {"no IMU"};
   status.num_faults = 1;
   spy::set_counters(status, {{"refused.late", 7}, {"tiles_waiting", 3}});
-  hear(board, "SERVICE_STATUS", status, kStart + 1'000'000);
+  receive(board, "SERVICE_STATUS", status, kStart + 1'000'000);
   procman_lcm::deputy_info_t info{};
   info.utime = kStart + 1'020'000;
   info.deputy_id = "ugv";
@@ -67,7 +67,7 @@ TEST(MetricsText, HasChannelsServicesAndProcesses) {
   info.cmds.resize(1);
   info.cmds[0].cmd.command_id = "ekf";
   info.cmds[0].pid = 12;
-  hear(board, "PM_INFO", info, kStart + 1'000'000);
+  receive(board, "PM_INFO", info, kStart + 1'000'000);
 
   const auto samples = parsed(metrics_text(board, kStart + 1'000'000));
   EXPECT_EQ(samples.at(R"(curbstone_channel_messages_total{channel="IMU"})"), 101);

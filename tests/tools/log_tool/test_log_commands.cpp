@@ -91,14 +91,14 @@ TEST_F(LogCommands, InfoSaysWhereNothingWasRecorded) {
 TEST_F(LogCommands, InfoFindsNoGapWhereRecordsAreOutOfOrder) {
   {  // as `curbstone replay --record` writes it: one stage is ahead of the other
     LogWriter log(path("mixed.lcmlog"));
-    const auto say = [&](int from, int to, const char* channel) {
+    const auto send = [&](int from, int to, const char* channel) {
       for (int i = from; i < to; ++i) log.write(channel, "12345678abcd", 12, kBegin + i * 100'000);
     };
-    say(20, 50, "SLOW");
-    say(0, 40, "FAST");
-    say(50, 60, "SLOW");
-    say(40, 60, "FAST");
-    say(90, 95, "FAST");
+    send(20, 50, "SLOW");
+    send(0, 40, "FAST");
+    send(50, 60, "SLOW");
+    send(40, 60, "FAST");
+    send(90, 95, "FAST");
   }
   EXPECT_EQ(run({"info", path("mixed.lcmlog")}), 0) << err_;
   EXPECT_THAT(out_, HasSubstr("nothing recorded: 5.9 .. 9.0 s"));

@@ -13,7 +13,7 @@ namespace {
 
 using test::kStart;
 
-void hear(BusBoard& board, const std::string& channel, const std::vector<std::uint8_t>& bytes, std::int64_t now) {
+void receive(BusBoard& board, const std::string& channel, const std::vector<std::uint8_t>& bytes, std::int64_t now) {
   board.on_message(channel, bytes.data(), bytes.size(), now);
 }
 
@@ -25,7 +25,7 @@ imu_t sample(int sequence) {
 
 TEST(BusBoard, KnowsTheTypeAndTheLossesOfAChannel) {
   BusBoard board("");
-  for (const int sequence : {1, 2, 5}) hear(board, "IMU", encoded(sample(sequence)), kStart + sequence * 10'000);
+  for (const int sequence : {1, 2, 5}) receive(board, "IMU", encoded(sample(sequence)), kStart + sequence * 10'000);
   const ChannelState& imu = board.channels().at("IMU");
   EXPECT_EQ(imu.type, "curbstone.imu_t");
   EXPECT_EQ(imu.statistics.lost(), 2);
@@ -35,13 +35,13 @@ TEST(BusBoard, KnowsTheTypeAndTheLossesOfAChannel) {
 
 TEST(BusBoard, WhatCannotBeDecodedIsCounted) {
   BusBoard board("");
-  hear(board, "A", {1, 2, 3}, kStart);
+  receive(board, "A", {1, 2, 3}, kStart);
   auto cut = encoded(sample(1));
   cut.resize(20);
-  hear(board, "IMU", cut, kStart);
+  receive(board, "IMU", cut, kStart);
   auto status = encoded(status_of("ekf", 0));
   status.resize(status.size() - 1);
-  hear(board, "SERVICE_STATUS", status, kStart);
+  receive(board, "SERVICE_STATUS", status, kStart);
   EXPECT_EQ(board.channels().at("A").undecodable, 1);
   EXPECT_EQ(board.channels().at("IMU").undecodable, 1);
   EXPECT_EQ(board.channels().at("SERVICE_STATUS").undecodable, 1);
@@ -53,11 +53,11 @@ TEST(BusBoard, AServicesRatesAreThoseBetweenTwoStatuses) {
   service_status_t status = status_of("ekf", 1'000'000);
   status.cpu_time = 500'000;
   set_counters(status, {{"dropped.queue", 10}, {"lost.packets", 1}, {"refused.late", 7}, {"samples", 1000}});
-  hear(board, "SERVICE_STATUS", encoded(status), kStart);
+  receive(board, "SERVICE_STATUS", encoded(status), kStart);
   status.uptime = 3'000'000;
   status.cpu_time = 700'000;
   set_counters(status, {{"dropped.queue", 20}, {"lost.packets", 5}, {"refused.late", 7}, {"samples", 2000}});
-  hear(board, "SERVICE_STATUS", encoded(status), kStart + 2'000'000);
+  receive(board, "SERVICE_STATUS", encoded(status), kStart + 2'000'000);
   const ServiceState& ekf = board.services().services().at({"ekf", "ugv"});
   EXPECT_DOUBLE_EQ(ekf.cpu, 0.1);
   EXPECT_DOUBLE_EQ(ekf.dropped, 7);
@@ -73,7 +73,7 @@ TEST(BusBoard, ADeputysClockIsItsStampMinusItsArrival) {
   procman_lcm::deputy_info_t info{};
   info.utime = kStart + 80'000;
   info.deputy_id = "ugv";
-  hear(board, "PM_INFO", encoded(info), kStart);
+  receive(board, "PM_INFO", encoded(info), kStart);
   EXPECT_EQ(board.deputies().at("ugv").clock, 80'000);
 }
 
@@ -84,7 +84,7 @@ TEST(BusBoard, AnyBytesMayComeAndMemoryIsBounded) {
   for (int k = 0; k < 20'000; ++k) {
     auto bytes = status;
     bytes[random() % bytes.size()] ^= static_cast<std::uint8_t>(1U << random() % 8);
-    hear(board, k % 3 == 0 ? "C" + std::to_string(k) : "SERVICE_STATUS", bytes, kStart + k);
+    receive(board, k % 3 == 0 ? "C" + std::to_string(k) : "SERVICE_STATUS", bytes, kStart + k);
   }
   EXPECT_LE(board.channels().size(), BusBoard::kMaxChannels);
   EXPECT_LE(board.services().services().size(), ServiceBoard::kMaxServices);

@@ -19,7 +19,7 @@ using ::testing::StartsWith;
 using test::kStart;
 
 template <class Message>
-void hear(board::BusBoard& board, const std::string& channel, const Message& message, std::int64_t now) {
+void receive(board::BusBoard& board, const std::string& channel, const Message& message, std::int64_t now) {
   const auto bytes = encoded(message);
   board.on_message(channel, bytes.data(), bytes.size(), now);
 }
@@ -29,13 +29,13 @@ board::BusBoard a_second(const std::string& followed) {
   for (int k = 0; k <= 100; ++k) {
     imu_t imu{};
     imu.sequence = k == 50 ? 49 : k;  // 49 comes twice, and 50 is missing
-    hear(board, "IMU", imu, kStart + k * 10'000);
+    receive(board, "IMU", imu, kStart + k * 10'000);
   }
   service_status_t status = status_of("ekf", 1'000'000);
   status.fault = {"no IMU: \x1b[2J"};
   status.num_faults = 1;
   status.latency_p50 = 0.002F;
-  hear(board, "SERVICE_STATUS", status, kStart + 1'000'000);
+  receive(board, "SERVICE_STATUS", status, kStart + 1'000'000);
   return board;
 }
 

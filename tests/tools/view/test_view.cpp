@@ -94,8 +94,8 @@ class ShownMapTest : public ::testing::Test {
     write_map(file_, kEpoch);
     node_.tick(now_);
     map_.show(now_);
-    say(R"({"resume": null})", viewer::web::Connections::Event::Kind::kConnected);
-    say(R"({"resume": null})", viewer::web::Connections::Event::Kind::kMessage);
+    send(R"({"resume": null})", viewer::web::Connections::Event::Kind::kConnected);
+    send(R"({"resume": null})", viewer::web::Connections::Event::Kind::kMessage);
     look();
     ASSERT_EQ(page_.tiles.size(), 3U);
   }
@@ -105,7 +105,7 @@ class ShownMapTest : public ::testing::Test {
     for (int i = 0; i < 10; ++i) {
       node_.tick(now_ += 100'000);
       for (const auto& [id, frame] : std::exchange(connections_.sent, {}))
-        say(R"({"ack": )" + std::to_string(page_.read(*frame)) + "}", viewer::web::Connections::Event::Kind::kMessage);
+        send(R"({"ack": )" + std::to_string(page_.read(*frame)) + "}", viewer::web::Connections::Event::Kind::kMessage);
     }
   }
   std::string state() { return page_.state; }
@@ -116,7 +116,7 @@ class ShownMapTest : public ::testing::Test {
   viewer::FrameReader page_;
 
  private:
-  void say(const std::string& text, viewer::web::Connections::Event::Kind kind) {
+  void send(const std::string& text, viewer::web::Connections::Event::Kind kind) {
     connections_.events.push_back({1, kind, text, now_});
   }
 

@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "tools/simulate/world/car.hpp"
-#include "tools/simulate/world/furnish.hpp"
 #include "tools/simulate/world/ground_builder.hpp"
+#include "tools/simulate/world/place_objects.hpp"
 #include "tools/simulate/world/town_plan.hpp"
 
 namespace curbstone::simulate::world {
@@ -33,14 +33,14 @@ Town::Town(const TownOptions& town_options) : options(town_options) {
   streets = std::move(planned.streets);
   for (auto& street : streets) set_curbs(street, plan);
 
-  const Furnishing furnishing = plan_furnishing(streets, planned.quarters, random.fork(2));
-  for (const auto& drop : furnishing.driveways)
+  const ObjectPlan objects = plan_objects(streets, planned.quarters, random.fork(2));
+  for (const auto& drop : objects.driveways)
     streets[drop.street].curb(drop.side).dropped.push_back({drop.s, drop.half, drop.height});
   Ground ground = build_ground(streets, planned.inside, profile, random.fork(3));
   const numerics::Random day = options.day == 0 ? random : random.fork(6).fork(options.day);
   std::optional<numerics::Random> passing;
   if (options.day != 0) passing = day.fork(4);
-  std::vector<Shape> shapes = furnish(furnishing, streets, planned.quarters, ground, random.fork(4), passing);
+  std::vector<Shape> shapes = place_objects(objects, streets, planned.quarters, ground, random.fork(4), passing);
   scene = std::make_unique<const Scene>(std::move(ground), std::move(shapes));
 
   if (options.straight > 0) return;  // moving cars need a loop

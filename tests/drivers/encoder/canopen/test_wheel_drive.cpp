@@ -137,10 +137,10 @@ TEST_F(WheelDriveTest, ABootUpStartsOverAndDropsThePendingRequest) {
 class ListeningTest : public ::testing::Test {
  protected:
   ListeningTest() { drive_.tick(now_); }
-  void hear(const can::CanFrame& frame) { drive_.on_frame(now_, frame); }
-  void positions() { hear(can::CanFrame::make(0x181, {0, 0, 0, 0, 0, 0, 0, 0})); }
-  void status(std::uint8_t low = 0x27) { hear(can::CanFrame::make(0x281, {low, 0, low, 0, 0, 0, 0, 0})); }
-  void heartbeat(std::uint8_t state = 0x05) { hear(can::CanFrame::make(0x701, {state})); }
+  void receive(const can::CanFrame& frame) { drive_.on_frame(now_, frame); }
+  void positions() { receive(can::CanFrame::make(0x181, {0, 0, 0, 0, 0, 0, 0, 0})); }
+  void status(std::uint8_t low = 0x27) { receive(can::CanFrame::make(0x281, {low, 0, low, 0, 0, 0, 0, 0})); }
+  void heartbeat(std::uint8_t state = 0x05) { receive(can::CanFrame::make(0x701, {state})); }
   void wait(std::int64_t us, bool with_status = true, bool with_heartbeat = true) {
     for (const std::int64_t end = now_ + us; now_ < end;) {
       now_ += 100'000;
@@ -165,12 +165,12 @@ TEST_F(ListeningTest, ADriveThatSaysAllIsWellHasNoFault) {
 
 TEST_F(ListeningTest, AnEmergencyIsAFaultUntilTheDriveTakesItBack) {
   wait(1'000'000);
-  hear(can::CanFrame::make(0x081, {0x10, 0x32, 0x04, 0, 0, 0, 0, 0}));
+  receive(can::CanFrame::make(0x081, {0x10, 0x32, 0x04, 0, 0, 0, 0, 0}));
   EXPECT_THAT(drive_.faults(), ElementsAre("drive: emergency 3210, error register 04"));
   EXPECT_FALSE(drive_.status().enabled(now_));
   wait(5'000'000);
   EXPECT_THAT(drive_.faults(), ElementsAre(HasSubstr("emergency 3210")));
-  hear(can::CanFrame::make(0x081, {0, 0, 0, 0, 0, 0, 0, 0}));
+  receive(can::CanFrame::make(0x081, {0, 0, 0, 0, 0, 0, 0, 0}));
   EXPECT_THAT(drive_.faults(), IsEmpty());
   EXPECT_EQ(drive_.counters()["drive.emergencies"], 1);
 }

@@ -16,9 +16,9 @@ class SampleTimeTest : public ::testing::Test {
   SampleTime::Result next(std::int64_t n = 1, std::int64_t error = 0) {
     ticks_ += n * interval_;
     received_ += n * interval_ * SampleTime::kTick;
-    return say(static_cast<std::uint32_t>(ticks_ + error), static_cast<int>(n));
+    return send(static_cast<std::uint32_t>(ticks_ + error), static_cast<int>(n));
   }
-  SampleTime::Result say(std::uint32_t ticks, int ahead) {
+  SampleTime::Result send(std::uint32_t ticks, int ahead) {
     const auto result = time_.next(ticks, received_, counted_ ? std::optional(ahead + refused_) : std::nullopt);
     refused_ = result.verdict == Verdict::kRefused ? refused_ + ahead : 0;
     return result;
@@ -101,7 +101,7 @@ TEST_F(SampleTimeTest, AnyFlippedBitOfATimeCostsAtMostItsSample) {
     settle();
     ticks_ += interval_;
     received_ += 10'000;
-    EXPECT_EQ(say(static_cast<std::uint32_t>(ticks_) ^ (1u << bit), 1).verdict, Verdict::kRefused);
+    EXPECT_EQ(send(static_cast<std::uint32_t>(ticks_) ^ (1u << bit), 1).verdict, Verdict::kRefused);
     EXPECT_EQ(next().verdict, Verdict::kContinues);
   }
 }
@@ -115,7 +115,7 @@ TEST_F(SampleTimeTest, AWrongFirstTimeCostsTheSampleAfterIt) {
 
 TEST_F(SampleTimeTest, TheSameMessageTwiceIsSeen) {
   settle();
-  EXPECT_EQ(say(static_cast<std::uint32_t>(ticks_), 0).verdict, Verdict::kRepeated);
+  EXPECT_EQ(send(static_cast<std::uint32_t>(ticks_), 0).verdict, Verdict::kRepeated);
   EXPECT_EQ(next().verdict, Verdict::kContinues);
 }
 
@@ -132,7 +132,8 @@ TEST_F(SampleTimeTest, TheTimeGoesOnAfterAPauseOfAnyLength) {
     for (const std::int64_t n : {101, 12'345, 70'000}) {  // more than the 16-bit counter tells
       ticks_ += n * interval_;
       received_ += n * interval_ * SampleTime::kTick;
-      EXPECT_EQ(say(static_cast<std::uint32_t>(ticks_), static_cast<int>(n % 65536)).verdict, Verdict::kContinues) << n;
+      EXPECT_EQ(send(static_cast<std::uint32_t>(ticks_), static_cast<int>(n % 65536)).verdict, Verdict::kContinues)
+          << n;
     }
   }
 }
@@ -142,10 +143,10 @@ TEST_F(SampleTimeTest, WhatWaitedForAHostThatWasStoppedIsBelieved) {
   received_ += 3'000'000;
   for (int i = 0; i < 40; ++i) {  // all with one time of receipt
     ticks_ += interval_;
-    EXPECT_EQ(say(static_cast<std::uint32_t>(ticks_), 1).verdict, Verdict::kContinues);
+    EXPECT_EQ(send(static_cast<std::uint32_t>(ticks_), 1).verdict, Verdict::kContinues);
   }
   ticks_ += 260 * interval_;  // and the rest was too much for the kernel's buffer
-  EXPECT_EQ(say(static_cast<std::uint32_t>(ticks_), 260).verdict, Verdict::kContinues);
+  EXPECT_EQ(send(static_cast<std::uint32_t>(ticks_), 260).verdict, Verdict::kContinues);
   settle();
 }
 
@@ -171,7 +172,7 @@ TEST_F(SampleTimeTest, ARateThatIsNoWholeNumberOfTicksIsFollowed) {
   for (int i = 1; i < 1000; ++i) {  // 60 Hz
     const auto ticks = static_cast<std::uint32_t>(ticks_ + (i * 10'000 + 30) / 60);
     received_ += 16'667;
-    EXPECT_EQ(say(ticks, 1).verdict, Verdict::kContinues) << i;
+    EXPECT_EQ(send(ticks, 1).verdict, Verdict::kContinues) << i;
   }
 }
 
@@ -182,7 +183,7 @@ TEST_F(SampleTimeTest, ADeviceThatSamplesABitLateAtTimesIsBelieved) {
   for (int i = 1; i <= 10'000; ++i) {
     const std::int64_t late = static_cast<std::int64_t>(random() % 20 == 0 ? random() % 40 : random() % 3);
     received_ += 10'000;
-    const auto verdict = say(static_cast<std::uint32_t>(begin + i * interval_ + late), 1).verdict;
+    const auto verdict = send(static_cast<std::uint32_t>(begin + i * interval_ + late), 1).verdict;
     used += verdict == Verdict::kContinues;
     restarted += verdict == Verdict::kRestarted;
   }

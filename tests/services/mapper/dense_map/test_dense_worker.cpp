@@ -21,7 +21,7 @@ scan::SharedPoints ground(double x) {
 DenseWork work(int n, const scan::SharedPoints& points) {
   DenseWork work;
   work.insertions.push_back({points, Pose::Identity(), kStart + n * kPeriod, 0, true});
-  work.look = DenseWork::Look{{}, {true}, false};
+  work.removal = DenseWork::FreeSpaceRemoval{{}, {true}, false};
   return work;
 }
 
@@ -47,11 +47,11 @@ TEST_P(WorkOnTheMap, IsNotSeenBeforeItIsWaitedFor) {
 
 TEST_P(WorkOnTheMap, GrowsFirstAndIsLookedThroughLater) {
   grow(5);
-  worker_.wait_grown();
+  worker_.wait_inserted();
   EXPECT_GT(worker_.grown().size(), 1000);
   EXPECT_FALSE(worker_.take_changed().empty());
   EXPECT_THROW((void)worker_.map(), std::logic_error) << "the look has not begun";
-  worker_.look();
+  worker_.begin_free_space_removal();
   EXPECT_THROW((void)worker_.grown(), std::logic_error) << "the look is under way";
   worker_.wait();
   EXPECT_EQ(&worker_.map(), &worker_.grown());
@@ -60,7 +60,7 @@ TEST_P(WorkOnTheMap, GrowsFirstAndIsLookedThroughLater) {
 
 TEST_P(WorkOnTheMap, NothingIsUnderWayAtFirstAndWaitingTwiceIsNothing) {
   EXPECT_EQ(worker_.map().size(), 0);
-  worker_.look();
+  worker_.begin_free_space_removal();
   worker_.wait();
   worker_.wait();
   EXPECT_EQ(worker_.map().size(), 0);
@@ -104,7 +104,7 @@ TEST(DenseWorker, MakesTheSameMapWithAThreadAndWithoutAndWheneverItIsLookedThrou
   const scan::SharedPoints near = ground(5), far = ground(7);
   for (int i = 0; i < 20; ++i) {
     for (DenseWorker* worker : {&beside, &within}) worker->begin(work(i, i < 10 ? near : far));
-    if (i % 3 == 0) beside.look();
+    if (i % 3 == 0) beside.begin_free_space_removal();
     if (i % 5 == 0) within.wait();
   }
   beside.wait();

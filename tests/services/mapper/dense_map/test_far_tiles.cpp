@@ -99,7 +99,7 @@ TEST_F(FarTiles, ATileThatWasAwayIsTheSame) {
   ASSERT_TRUE(tile.wake());
   ASSERT_TRUE(other.wake());
   EXPECT_EQ(*tile.read(), before);
-  for (const TilePoint& p : before.points()) EXPECT_TRUE(tile.knew(tile.voxel_number(p)));
+  for (const TilePoint& p : before.points()) EXPECT_TRUE(tile.was_occupied(tile.voxel_number(p)));
   for (DenseTile* const t : {&tile, &other}) t->append({3, 3, 3, 3}, kStart + 20 * kSecond, 2);
   EXPECT_EQ(*tile.read(), *other.read());
   EXPECT_EQ(tile.utime(), other.utime());
@@ -134,8 +134,8 @@ TEST_F(FarTiles, ARollBackReadsOnlyWhatItCuts) {
     tile.sleep();
     other.sleep();
     ASSERT_TRUE(tile.spill(*file_));
-    ASSERT_TRUE(tile.cut_after(kStart + until * kSecond));
-    ASSERT_TRUE(other.cut_after(kStart + until * kSecond));
+    ASSERT_TRUE(tile.truncate_after(kStart + until * kSecond));
+    ASSERT_TRUE(other.truncate_after(kStart + until * kSecond));
     EXPECT_EQ(tile.is_spilled(), until == 20);
     EXPECT_EQ(*tile.read(), *other.read());
     EXPECT_EQ(tile.utime(), other.utime());
@@ -156,7 +156,7 @@ TEST_F(FarTiles, ATileOfWhichABitIsWrongIsNotReturned) {
   EXPECT_FALSE(tile.wake());
   test::flip_a_bit_of_each_spilled_page();
   EXPECT_FALSE(tile.wake()) << "not read for each point that comes";
-  tile.try_again();
+  tile.allow_retry();
   ASSERT_TRUE(tile.wake());
   EXPECT_EQ(*tile.read(), before);
 }
@@ -168,7 +168,7 @@ TEST_F(FarTiles, ATileThatTheDiskDoesNotReturnSaysSo) {
   file_->flush();
   test::truncate_spill_files();
   EXPECT_EQ(tile.read(), nullptr);
-  EXPECT_FALSE(tile.cut_after(kStart));
+  EXPECT_FALSE(tile.truncate_after(kStart));
   EXPECT_FALSE(tile.wake());
   EXPECT_TRUE(tile.is_spilled());
   EXPECT_THROW((void)tile.packed().read(), std::runtime_error);

@@ -58,7 +58,7 @@ struct ChangingStreet : test::MapperDrive {
       world.boxes = fixed;
       for (const Box& box : boxes(turn * test::kPeriod)) world.boxes.push_back(box);
       (void)step();
-      if (pauses && turn % 3 != 0) mapper->use_the_pause();
+      if (pauses && turn % 3 != 0) mapper->begin_free_space_removal();
     }
   }
   bool pauses = false;
@@ -104,7 +104,7 @@ TEST(FreeSpace, AtTheEndOfTheDriveNothingThatWasTakenOutIsLeftUnreported) {
   };
   while (drive.turn < watched.turn) {
     one_more(drive);
-    drive.mapper->wait_grown();
+    drive.mapper->wait_inserted();
     tell(drive.mapper->take_changed());
   }
   tell(drive.mapper->finish());
@@ -173,8 +173,8 @@ TEST(FreeSpace, WhatIsDisplacedByDriftIsNotJudged) {
   const auto look = [&](bool in_place) {
     for (int i = 0; i < 80; ++i) {
       (void)dense.insert({}, Pose::Identity(), t += 50'000);
-      (void)dense.look_through(snapshot(), Pose::Identity(), T_base_lidar, {}, t,
-                               [&](std::int32_t anchor) { return in_place || anchor != 7; });
+      (void)dense.clear_free_space(snapshot(), Pose::Identity(), T_base_lidar, {}, t,
+                                   [&](std::int32_t anchor) { return in_place || anchor != 7; });
     }
     return dense.num_removals();
   };
@@ -195,16 +195,16 @@ TEST(DenseTile, IsTheSameAfterSleepAndGivesBackWhatIsCut) {
   for (int i = 0; i < 2; ++i) {
     EXPECT_EQ(tile.read()->points().size(), 3u);
     EXPECT_EQ(tile.num_points(), 3u);
-    EXPECT_FALSE(tile.there(1));
-    EXPECT_TRUE(tile.there(4));
+    EXPECT_FALSE(tile.is_present(1));
+    EXPECT_TRUE(tile.is_present(4));
     EXPECT_TRUE(tile.occupied(tile.voxel_number(b)));
     tile.sleep();
     ASSERT_TRUE(tile.wake());
   }
-  ASSERT_TRUE(tile.cut_after(4'500'000));
+  ASSERT_TRUE(tile.truncate_after(4'500'000));
   ASSERT_TRUE(tile.wake());
   EXPECT_EQ(tile.num_records(), 3u);
-  EXPECT_TRUE(tile.there(1));
+  EXPECT_TRUE(tile.is_present(1));
 }
 
 TEST(DenseTile, ASetForgetsNumbersAndFindsTheOthers) {

@@ -139,10 +139,10 @@ TEST_F(DriveJournalTest, BeginsAnewWhenAFullDiskHasRoomAgain) {
   }
   EXPECT_THAT(journal_.fault(), ::testing::HasSubstr("No space left"));
   std::ofstream(ballast, std::ios::app) << std::string(8'000'000, 'x') << std::flush;  // the journal's file is gone
-  EXPECT_FALSE(journal_.wants_anew(utime_ + 5'000'000)) << "there is no room yet";
+  EXPECT_FALSE(journal_.needs_restart(utime_ + 5'000'000)) << "there is no room yet";
   std::filesystem::remove(ballast);
-  EXPECT_FALSE(journal_.wants_anew(utime_ + 1'000'000));
-  EXPECT_TRUE(journal_.wants_anew(utime_ + 3'000'000));
+  EXPECT_FALSE(journal_.needs_restart(utime_ + 1'000'000));
+  EXPECT_TRUE(journal_.needs_restart(utime_ + 3'000'000));
   start_epoch(7, {});
   drive(5);
   settle();
@@ -208,11 +208,11 @@ TEST_F(DriveJournalTest, BegunAnewIsNoLargerThanWhatTheMapStillHolds) {
   small.max_points = 100'000;
   map_ = dense_map::DenseMap(small);
   start_epoch(7, {});
-  while (!journal_.wants_anew(utime_)) drive(100, 6);
+  while (!journal_.needs_restart(utime_)) drive(100, 6);
   settle();
   const auto bytes = std::filesystem::file_size(file_);
   start_epoch(7, read()->poses);
-  EXPECT_FALSE(journal_.wants_anew(utime_));
+  EXPECT_FALSE(journal_.needs_restart(utime_));
   drive(1, 6);
   wait_until([&] { return std::filesystem::file_size(file_) < bytes; });
   settle();
@@ -264,8 +264,8 @@ TEST_F(DriveJournalTest, ThatCannotBeWrittenIsAFaultAndIsTriedAgainAMinuteLater)
   start_epoch(7, {});
   drive(3);
   while (journal_.fault().empty()) write();
-  EXPECT_FALSE(journal_.wants_anew(utime_ + 10'000'000));
-  EXPECT_TRUE(journal_.wants_anew(utime_ + 61'000'000));
+  EXPECT_FALSE(journal_.needs_restart(utime_ + 10'000'000));
+  EXPECT_TRUE(journal_.needs_restart(utime_ + 61'000'000));
   std::filesystem::remove(folder_ / "state");
   start_epoch(7, {});
   drive(10);

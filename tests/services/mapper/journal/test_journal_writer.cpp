@@ -17,8 +17,8 @@ using ::testing::IsEmpty;
 
 class JournalWriterTest : public ::testing::Test {
  protected:
-  void write(const std::string& batch, bool is_whole = true) {
-    writer_.append(batch, is_whole);
+  void write(const std::string& batch, bool is_complete = true) {
+    writer_.append(batch, is_complete);
     while (writer_.busy()) std::this_thread::yield();
   }
   test::TemporaryFolder folder_;

@@ -55,7 +55,7 @@ struct Remembered {
                                                const PlaceGuess& guess) const {
     return verify_place(points, guess, all(), config::IcpConfig{}, lidar);
   }
-  [[nodiscard]] std::optional<PlaceMatch> find_anywhere(const std::vector<scan::LidarPoint>& points) const {
+  [[nodiscard]] std::optional<PlaceMatch> find_globally(const std::vector<scan::LidarPoint>& points) const {
     ScanContext index;
     for (std::size_t i = 0; i < nodes.size(); ++i) index.add(static_cast<int>(i), *nodes[i].points.read());
     return verify_place(points, Pose::Identity(), index, all(), config::IcpConfig{}, lidar);
@@ -150,7 +150,7 @@ TEST(VerifyPlace, FindsItWithNothingKnownButTheAttitude) {
   const Remembered street(test::street(), -20, 20);
   for (const double yaw : {0.5, -2.5}) {
     const Pose T = test::pose(-7.4, -1, 0, 0, 0, yaw);
-    const auto match = street.find_anywhere(street.scan_at(T));
+    const auto match = street.find_globally(street.scan_at(T));
     ASSERT_TRUE(match);
     EXPECT_LT(error(T, *match), 0.05);
   }
@@ -171,10 +171,10 @@ TEST(VerifyPlace, GivesTheSameBitsAgain) {
 TEST(VerifyPlace, RefusesATunnelAndAnOpenSquare) {
   const Remembered tunnel(test::tunnel(), -20, 20);
   EXPECT_FALSE(tunnel.find(tunnel.scan_at(test::pose(0.5, 0, 0, 0, 0, 0)), {test::pose(0, 0, 0, 0, 0, 0), 5, 0.2}));
-  EXPECT_FALSE(tunnel.find_anywhere(tunnel.scan_at(test::pose(0.5, 0, 0, 0, 0, 0))));
+  EXPECT_FALSE(tunnel.find_globally(tunnel.scan_at(test::pose(0.5, 0, 0, 0, 0, 0))));
   const Remembered plain(test::plain(), -20, 20);
   EXPECT_FALSE(plain.find(plain.scan_at(test::pose(0.5, 0, 0, 0, 0, 0)), {test::pose(0, 0, 0, 0, 0, 0), 5, 0.2}));
-  EXPECT_FALSE(plain.find_anywhere(plain.scan_at(test::pose(0.5, 0, 0, 0, 0, 0))));
+  EXPECT_FALSE(plain.find_globally(plain.scan_at(test::pose(0.5, 0, 0, 0, 0, 0))));
 }
 
 TEST(VerifyPlace, RefusesToGuessWhichOfManyHousesItIs) {
@@ -182,7 +182,7 @@ TEST(VerifyPlace, RefusesToGuessWhichOfManyHousesItIs) {
   const Pose T = test::pose(1.7, 0.5, 0, 0, 0, 0.05);
   const auto scan = houses.scan_at(T);
   EXPECT_FALSE(houses.find(scan, {test::pose(4, 0, 0, 0, 0, 0), 7, 0.2}));
-  EXPECT_FALSE(houses.find_anywhere(scan));
+  EXPECT_FALSE(houses.find_globally(scan));
   // Known to less than the distance between them, there is but one.
   const auto match = houses.find(scan, {test::pose(2.7, 0, 0, 0, 0, 0), 3, 0.2});
   ASSERT_TRUE(match);
@@ -194,10 +194,10 @@ TEST(VerifyPlace, RefusesAScanFromAnotherPlace) {
   for (const double x : {-10.0, 7.0}) {
     const auto from_houses = houses.scan_at(test::pose(x, 0, 0, 0, 0, 0));
     EXPECT_FALSE(street.find(from_houses, {test::pose(x, 0, 0, 0, 0, 0), 10, kPi}));
-    EXPECT_FALSE(street.find_anywhere(from_houses));
+    EXPECT_FALSE(street.find_globally(from_houses));
     const auto from_street = street.scan_at(test::pose(x, 0, 0, 0, 0, 0));
     EXPECT_FALSE(houses.find(from_street, {test::pose(x, 0, 0, 0, 0, 0), 10, kPi}));
-    EXPECT_FALSE(houses.find_anywhere(from_street));
+    EXPECT_FALSE(houses.find_globally(from_street));
   }
 }
 
@@ -216,7 +216,7 @@ TEST(VerifyPlace, SurvivesInputThatIsNone) {
   std::vector<scan::LidarPoint> nan(500);
   for (scan::LidarPoint& p : nan) p.position.setConstant(std::numeric_limits<float>::quiet_NaN());
   EXPECT_FALSE(street.find(nan, here));
-  EXPECT_FALSE(street.find_anywhere(nan));
+  EXPECT_FALSE(street.find_globally(nan));
   EXPECT_FALSE(street.find(scan, {test::pose(kNaN, 0, 0, 0, 0, 0), 5, 0.2}));
   EXPECT_FALSE(street.find(scan, {test::pose(0, 0, 0, kNaN, 0, 0), 5, 0.2}));
   EXPECT_FALSE(street.find(scan, {test::pose(0, 0, 0, 0, 0, 0), kNaN, kNaN}));

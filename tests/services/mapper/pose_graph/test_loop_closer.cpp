@@ -77,7 +77,7 @@ class OnceRound : public testing::Test {
     for (double s = 0; s < metres; s += 0.7) {
       drive_.go(0.7);
       drive_.map();
-      if (auto closure = drive_.closer.look(drive_.atlas, drive_.finder, drive_.scan(), drive_.T_map_base))
+      if (auto closure = drive_.closer.search(drive_.atlas, drive_.finder, drive_.scan(), drive_.T_map_base))
         return closure;
     }
     return std::nullopt;
@@ -97,7 +97,7 @@ TEST_F(OnceRound, TheLoopIsClosedAndTheDrivePutRight) {
   const std::vector<Pose> before = drive_.atlas.poses();
   const auto correction = drive_.closer.solve(drive_.atlas, *closure, drive_.T_map_base);
   ASSERT_TRUE(correction);
-  EXPECT_TRUE(drive_.closer.matters(*correction, drive_.atlas));
+  EXPECT_TRUE(drive_.closer.is_significant(*correction, drive_.atlas));
   EXPECT_TRUE(drive_.atlas.poses().front().isApprox(before.front())) << "moves nothing itself";
   const Pose& last = correction->T_new_old[static_cast<std::size_t>(drive_.atlas.reference())];
   EXPECT_LT((last * drive_.T_map_base.translation() - truth.translation()).norm(), 0.3);

@@ -48,7 +48,7 @@ TEST(Relocalizer, WhatWasTakenBackIsNotSoughtAnyMoreAndWhatCameInItsPlaceIs) {
 
   all.atlas.roll_back(0);
   ASSERT_EQ(all.atlas.size(), 0);
-  all.finder.forget();
+  all.finder.clear();
   all.visit(all.elsewhere, -10, 10, 500);
   ASSERT_GE(all.atlas.size(), size) << "the numbers are taken again";
   const auto found = all.finder.find(all.atlas, Remembered::scan(all.elsewhere, 1.0), lost, kFarOff);

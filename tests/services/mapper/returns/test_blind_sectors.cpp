@@ -15,7 +15,7 @@ class BlindSectorsTest : public ::testing::Test {
  protected:
   BlindSectorsTest() : scan_(drive_.next()) {}
   /// `from`..`to` deg to the left return nothing, or mud at `mud` m.
-  void look(int scans, double from = 0, double to = 0, float mud = 0) {
+  void check(int scans, double from = 0, double to = 0, float mud = 0) {
     scan::Scan scan = scan_;
     scan.points.clear();
     for (scan::LidarPoint point : scan_.points) {
@@ -27,7 +27,7 @@ class BlindSectorsTest : public ::testing::Test {
       }
       scan.points.push_back(point);
     }
-    for (int i = 0; i < scans; ++i) sectors_.look(scan);
+    for (int i = 0; i < scans; ++i) sectors_.check(scan);
   }
   std::vector<std::string> faults() const {
     std::vector<std::string> faults;
@@ -41,45 +41,45 @@ class BlindSectorsTest : public ::testing::Test {
 
 TEST_F(BlindSectorsTest, MudIsReportedUntilTheWindowIsClean) {
   for (const float mud : {0.0F, 0.5F}) {
-    look(BlindSectors::kSteady);
+    check(BlindSectors::kSteady);
     EXPECT_THAT(faults(), IsEmpty());
-    look(BlindSectors::kBlind - 1, 19.8, 60.2, mud);
+    check(BlindSectors::kBlind - 1, 19.8, 60.2, mud);
     EXPECT_THAT(sectors_.blind(), IsEmpty()) << "not yet";
-    look(1, 19.8, 60.2, mud);
+    check(1, 19.8, 60.2, mud);
     EXPECT_THAT(sectors_.blind(), ElementsAre(25, 35, 45, 55));
     ASSERT_EQ(faults().size(), 1U);
     EXPECT_THAT(faults()[0], HasSubstr("from 40 deg of its round, 25, 35, 45, 55 deg to the left"));
-    look(1);
+    check(1);
     EXPECT_THAT(sectors_.blind(), IsEmpty());
   }
   EXPECT_EQ(sectors_.counters()["faults.blind_sector"], 8);
 }
 
 TEST_F(BlindSectorsTest, WhatTheVehicleHidesFromTheStartIsNoFault) {
-  look(500, 150, 180);
+  check(500, 150, 180);
   EXPECT_THAT(sectors_.blind(), IsEmpty());
 }
 
 TEST_F(BlindSectorsTest, SomethingThatPassesIsNoFault) {
-  look(BlindSectors::kSteady);
+  check(BlindSectors::kSteady);
   for (int i = 0; i < 20; ++i) {
-    look(BlindSectors::kBlind / 2, -60, -20);
-    look(2);
+    check(BlindSectors::kBlind / 2, -60, -20);
+    check(2);
   }
   EXPECT_THAT(sectors_.blind(), IsEmpty());
 }
 
 TEST_F(BlindSectorsTest, ARevolutionOfWhichMostIsMissingSaysNothing) {
-  look(BlindSectors::kSteady);
-  look(500, -90, 179);
+  check(BlindSectors::kSteady);
+  check(500, -90, 179);
   scan::Scan none;
-  for (int i = 0; i < 100; ++i) sectors_.look(none);
+  for (int i = 0; i < 100; ++i) sectors_.check(none);
   EXPECT_THAT(sectors_.blind(), IsEmpty());
 }
 
 TEST_F(BlindSectorsTest, WhatIsNoMeasurementDoesNoHarm) {
   for (scan::LidarPoint& point : scan_.points) point.position.setConstant(point.ring % 2 == 0 ? NAN : INFINITY);
-  look(200);
+  check(200);
   EXPECT_THAT(sectors_.blind(), IsEmpty());
 }
 

@@ -21,14 +21,14 @@ struct Sight {
   bool moves = false;
 
   /// What comes from the ground beyond `from` m is lost.
-  void look(int revolutions, double from = INFINITY) {
+  void check(int revolutions, double from = INFINITY) {
     scan::Scan scan = drive.next();
     const Pose T_base_lidar = test::default_lidar();
     std::erase_if(scan.points, [&](const scan::LidarPoint& point) {
       const Eigen::Vector3d p = T_base_lidar * point.position.cast<double>();
       return p.z() < 0.1 && p.head<2>().norm() > from;
     });
-    for (int i = 0; i < revolutions; ++i) ground.look(scan, moves);
+    for (int i = 0; i < revolutions; ++i) ground.check(scan, moves);
   }
   [[nodiscard]] std::vector<std::string> faults() const {
     std::vector<std::string> faults;
@@ -39,7 +39,7 @@ struct Sight {
 
 TEST(GroundInSight, AStreetShowsItsGround) {
   Sight sight;
-  sight.look(10 * kSoon);
+  sight.check(10 * kSoon);
   EXPECT_GT(sight.ground.share(), 0.9);
   EXPECT_THAT(sight.faults(), IsEmpty());
 }
@@ -47,14 +47,14 @@ TEST(GroundInSight, AStreetShowsItsGround) {
 TEST(GroundInSight, ALidarThatHangsUpsideDownSeesItAboveItself) {
   Sight sight;
   sight.drive.T_base_lidar = test::default_lidar() * test::pose(0, 0, 0, M_PI, 0, 0);
-  sight.look(kSoon - GroundInSight::kEvery);
+  sight.check(kSoon - GroundInSight::kEvery);
   EXPECT_THAT(sight.faults(), IsEmpty()) << "not yet";
-  sight.look(GroundInSight::kEvery);
+  sight.check(GroundInSight::kEvery);
   ASSERT_EQ(sight.faults().size(), 1U);
   EXPECT_THAT(sight.faults()[0], HasSubstr("the ground is above it"));
   EXPECT_EQ(sight.ground.counters()["faults.lidar.upside_down"], 1);
   sight.drive.T_base_lidar = test::default_lidar();
-  sight.look(kSoon);
+  sight.check(kSoon);
   EXPECT_FALSE(sight.ground.is_upside_down());
 }
 
@@ -67,20 +67,20 @@ TEST(GroundInSight, UnderACeilingItHasAFloor) {
     mirrored.position.z() = -mirrored.position.z();
     scan.points.push_back(mirrored);
   }
-  for (int i = 0; i < 2 * kSoon; ++i) sight.ground.look(scan, false);
+  for (int i = 0; i < 2 * kSoon; ++i) sight.ground.check(scan, false);
   EXPECT_FALSE(sight.ground.is_upside_down());
 }
 
 TEST(GroundInSight, ADirtyWindowOrAWetRoadIsAFaultUntilTheGroundIsBack) {
   Sight sight;
-  sight.look(kSoon - GroundInSight::kEvery, 6.0);
+  sight.check(kSoon - GroundInSight::kEvery, 6.0);
   EXPECT_THAT(sight.faults(), IsEmpty()) << "not yet";
-  sight.look(GroundInSight::kEvery, 6.0);
+  sight.check(GroundInSight::kEvery, 6.0);
   ASSERT_EQ(sight.faults().size(), 1U);
   EXPECT_THAT(sight.faults()[0], HasSubstr("no ground in sight beyond 6 m in 100 % of the open directions about it"));
-  sight.look(kSoon);
+  sight.check(kSoon);
   EXPECT_THAT(sight.faults(), IsEmpty());
-  sight.look(3 * kSoon, 6.0);
+  sight.check(3 * kSoon, 6.0);
   EXPECT_EQ(sight.faults().size(), 1U) << "in mid-drive too";
   EXPECT_EQ(sight.ground.counters()["faults.no_ground"], 2);
 }
@@ -97,7 +97,7 @@ TEST(GroundInSight, ALidarThatIsTiltedUpIsAFaultOnceTheVehicleMoves) {
       sight.drive.world.boxes.push_back({{-60, -26, 0}, {60, -25, 30}});
       sight.drive.world.boxes.push_back({{60, -26, 0}, {61, 26, 30}});
       sight.drive.world.boxes.push_back({{-61, -26, 0}, {-60, 26, 30}});
-      sight.look(kSoon);
+      sight.check(kSoon);
       ASSERT_EQ(sight.faults().size(), moves ? 1U : 0U) << degrees << ": " << sight.ground.share_ahead();
       if (moves) {
         EXPECT_THAT(sight.faults()[0], HasSubstr("in 100 % of the open directions ahead"));
@@ -112,7 +112,7 @@ TEST(GroundInSight, WhatFallsAwayBesideTheRoadIsNoFault) {
   sight.drive.world = test::plain();
   scan::Scan scan = sight.drive.next();
   std::erase_if(scan.points, [](const scan::LidarPoint& p) { return std::abs(p.position.y()) > 4; });
-  for (int i = 0; i < 3 * kSoon; ++i) sight.ground.look(scan, true);
+  for (int i = 0; i < 3 * kSoon; ++i) sight.ground.check(scan, true);
   EXPECT_THAT(sight.faults(), IsEmpty());
 }
 
@@ -122,7 +122,7 @@ TEST(GroundInSight, AnAlleyShowsItAheadAndBehind) {
   for (const double side : {-1.0, 1.0})
     sight.drive.world.boxes.push_back({{-60, side < 0 ? -2.5 : 1.5, 0}, {60, side < 0 ? -1.5 : 2.5, 10}});
   sight.moves = true;
-  sight.look(10 * kSoon);
+  sight.check(10 * kSoon);
   EXPECT_THAT(sight.faults(), IsEmpty());
 }
 
@@ -134,7 +134,7 @@ TEST(GroundInSight, OfAHallAndATrafficJamNothingIsSaid) {
     sight.drive.world.boxes.push_back({{-5, side < 0 ? -5.2 : 5.0, 0}, {5, side < 0 ? -5.0 : 5.2, 3}});
     sight.drive.world.boxes.push_back({{side < 0 ? -5.2 : 5.0, -5, 0}, {side < 0 ? -5.0 : 5.2, 5, 3}});
   }
-  sight.look(10 * kSoon);
+  sight.check(10 * kSoon);
   EXPECT_THAT(sight.faults(), IsEmpty());
   EXPECT_EQ(sight.ground.share(), 1.0);
 }
@@ -144,7 +144,7 @@ TEST(GroundInSight, RainThatTakesMostReturnsIsNoFault) {
   scan::Scan scan = sight.drive.next();
   std::uint64_t n = 0;
   std::erase_if(scan.points, [&](const scan::LidarPoint&) { return test::chance(++n) < 0.6; });
-  for (int i = 0; i < 3 * kSoon; ++i) sight.ground.look(scan, true);
+  for (int i = 0; i < 3 * kSoon; ++i) sight.ground.check(scan, true);
   EXPECT_THAT(sight.faults(), IsEmpty());
   EXPECT_GT(sight.ground.share(), 0.9);
 }
@@ -160,7 +160,7 @@ TEST(GroundInSight, SlopesShowTheirGround) {
       }
       return s;
     }();
-    for (int i = 0; i < 2 * kSoon; ++i) sight.ground.look(scan, true);
+    for (int i = 0; i < 2 * kSoon; ++i) sight.ground.check(scan, true);
     EXPECT_GT(sight.ground.share(), 0.5) << slope;
     EXPECT_GT(sight.ground.share_ahead(), 0.5) << slope;
     EXPECT_THAT(sight.faults(), IsEmpty()) << slope;
@@ -172,13 +172,13 @@ TEST(GroundInSight, ALowLidarSeesItToo) {
     Sight sight;
     sight.drive.T_base_lidar.translation().z() = height;
     sight.ground = GroundInSight(sight.drive.T_base_lidar);
-    sight.look(2 * kSoon);
+    sight.check(2 * kSoon);
     EXPECT_GT(sight.ground.share(), 0.9) << height;
   }
   Sight below;
   below.drive.T_base_lidar.translation().z() = 0.3;
   below.ground = GroundInSight(below.drive.T_base_lidar);
-  below.look(2 * kSoon, 0.0);
+  below.check(2 * kSoon, 0.0);
   EXPECT_THAT(below.faults(), IsEmpty()) << "nothing is said";
 }
 
@@ -186,8 +186,8 @@ TEST(GroundInSight, WhatIsNoMeasurementDoesNoHarm) {
   Sight sight;
   scan::Scan scan = sight.drive.next();
   for (scan::LidarPoint& point : scan.points) point.position.setConstant(point.ring % 2 == 0 ? NAN : INFINITY);
-  for (int i = 0; i < 2 * kSoon; ++i) sight.ground.look(scan, false);
-  for (int i = 0; i < 2 * kSoon; ++i) sight.ground.look(scan::Scan{}, true);
+  for (int i = 0; i < 2 * kSoon; ++i) sight.ground.check(scan, false);
+  for (int i = 0; i < 2 * kSoon; ++i) sight.ground.check(scan::Scan{}, true);
   EXPECT_THAT(sight.faults(), IsEmpty());
 }
 

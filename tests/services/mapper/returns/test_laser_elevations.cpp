@@ -18,11 +18,11 @@ constexpr double kDegree = std::numbers::pi / 180;
 class LaserElevationsTest : public ::testing::Test {
  protected:
   using Change = std::function<void(scan::Scan&)>;
-  void look(int scans, const Change& change, bool moved = false) {
+  void check(int scans, const Change& change, bool moved = false) {
     for (int i = 0; i < scans; ++i) {
       scan_ = drive_.next();
       change(scan_);
-      lasers_.look(scan_, moved);
+      lasers_.check(scan_, moved);
     }
   }
   std::vector<int> wrong() const {
@@ -42,7 +42,7 @@ class LaserElevationsTest : public ::testing::Test {
 };
 
 TEST_F(LaserElevationsTest, LasersThatAreRightKeepTheirPoints) {
-  look(100, [](scan::Scan&) {});
+  check(100, [](scan::Scan&) {});
   EXPECT_THAT(wrong(), IsEmpty());
   std::vector<std::string> faults;
   lasers_.add_faults(faults);
@@ -50,9 +50,9 @@ TEST_F(LaserElevationsTest, LasersThatAreRightKeepTheirPoints) {
 }
 
 TEST_F(LaserElevationsTest, OneThatIsWrongIsNamedAndWithheldAfterTwoSeconds) {
-  look(LaserElevations::kLooks - 1, raised(3, 0.5));
+  check(LaserElevations::kLooks - 1, raised(3, 0.5));
   EXPECT_THAT(wrong(), IsEmpty()) << "not yet";
-  look(1, raised(3, 0.5));
+  check(1, raised(3, 0.5));
   ASSERT_THAT(wrong(), ElementsAre(3));
   EXPECT_NEAR(lasers_.error(3), 0.5 * kDegree, 0.03 * kDegree);
   const std::size_t before = scan_.points.size();
@@ -67,15 +67,15 @@ TEST_F(LaserElevationsTest, OneThatIsWrongIsNamedAndWithheldAfterTwoSeconds) {
 }
 
 TEST_F(LaserElevationsTest, TheLowestAndTheNextAreDistinguished) {
-  look(50, raised(0, -0.6));
+  check(50, raised(0, -0.6));
   EXPECT_THAT(wrong(), ElementsAre(0));
   lasers_ = {};
-  look(50, raised(1, 0.6));
+  check(50, raised(1, 0.6));
   EXPECT_THAT(wrong(), ElementsAre(1));
 }
 
 TEST_F(LaserElevationsTest, TwoAtOnceAreNotTakenForOthers) {
-  look(50, [](scan::Scan& scan) {
+  check(50, [](scan::Scan& scan) {
     test::raise(scan, 1, 0.5);
     test::raise(scan, 4, -0.7);
   });
@@ -83,18 +83,18 @@ TEST_F(LaserElevationsTest, TwoAtOnceAreNotTakenForOthers) {
 }
 
 TEST_F(LaserElevationsTest, ATenthOfADegreeIsNoFault) {
-  look(100, raised(2, 0.1));
+  check(100, raised(2, 0.1));
   EXPECT_THAT(wrong(), IsEmpty());
 }
 
 TEST_F(LaserElevationsTest, OneThatIsRightAgainIsUsedAgain) {
-  look(50, raised(2, 0.5));
+  check(50, raised(2, 0.5));
   ASSERT_THAT(wrong(), ElementsAre(2));
-  look(10, [](scan::Scan&) {});
-  look(1, raised(2, 0.5));
-  look(LaserElevations::kLooks - 1, [](scan::Scan&) {});
+  check(10, [](scan::Scan&) {});
+  check(1, raised(2, 0.5));
+  check(LaserElevations::kLooks - 1, [](scan::Scan&) {});
   EXPECT_THAT(wrong(), ElementsAre(2)) << "as many in a row must say so";
-  look(1, [](scan::Scan&) {});
+  check(1, [](scan::Scan&) {});
   EXPECT_THAT(wrong(), IsEmpty());
 }
 
@@ -102,14 +102,14 @@ TEST_F(LaserElevationsTest, GroundThatIsNotEvenIsNoLaser) {
   drive_.world.boxes.push_back({{4.0, -9, 0}, {40, 8, 0.12}});   // behind a kerb across the street
   drive_.world.boxes.push_back({{-60, 2.5, 0}, {60, 8, 0.15}});  // pavements
   drive_.world.boxes.push_back({{-60, -9, 0}, {60, -2.5, 0.15}});
-  look(100, [](scan::Scan&) {});
+  check(100, [](scan::Scan&) {});
   EXPECT_THAT(wrong(), IsEmpty());
 }
 
 /// What all see from a hilltop, or from the bottom of a bowl.
 TEST_F(LaserElevationsTest, CurvedGroundIsNoLaser) {
   for (const double curvature : {1.0 / 60, -1.0 / 60}) {
-    look(60, [&](scan::Scan& scan) {
+    check(60, [&](scan::Scan& scan) {
       for (scan::LidarPoint& point : scan.points) {
         const float level = point.position.head<2>().norm();
         if (point.ring < 6) point.position.z() += static_cast<float>(curvature / 2) * level * level;
@@ -121,21 +121,21 @@ TEST_F(LaserElevationsTest, CurvedGroundIsNoLaser) {
 
 TEST_F(LaserElevationsTest, ALeaningLidarIsNoLaser) {
   drive_.T_base_lidar = test::pose(0, 0, 1.73, 0.05, -0.08, 1.0);
-  look(60, [](scan::Scan&) {});
+  check(60, [](scan::Scan&) {});
   EXPECT_THAT(wrong(), IsEmpty());
-  look(60, raised(2, 0.5));
+  check(60, raised(2, 0.5));
   EXPECT_THAT(wrong(), ElementsAre(2));
 }
 
 TEST_F(LaserElevationsTest, WhatIsNoMeasurementIsNotLookedAt) {
-  look(60, [](scan::Scan& scan) {
+  check(60, [](scan::Scan& scan) {
     for (std::size_t i = 0; i < scan.points.size(); i += 3) {
       scan.points[i].ring = static_cast<std::uint8_t>(i);
       scan.points[i].position.setConstant(i % 2 == 0 ? NAN : -1e30F);
     }
   });
   EXPECT_THAT(wrong(), IsEmpty());
-  look(60, [](scan::Scan& scan) { scan.points.clear(); });
+  check(60, [](scan::Scan& scan) { scan.points.clear(); });
   EXPECT_THAT(wrong(), IsEmpty());
 }
 

@@ -81,13 +81,13 @@ TEST(OdometryHistory, SaysTheSameWhetherOrNotMoreWasThereInTime) {
   OdometryHistory early;
   for (int i = 0; !early.reaches(end); ++i) (void)early.add(sample(i));
   OdometryHistory late = history_of(40);
-  early.look_from(end);
-  late.look_from(end);
+  early.set_horizon(end);
+  late.set_horizon(end);
   EXPECT_TRUE(late.covers(kStart + 30'000, end));
   EXPECT_TRUE(early.at(end).isApprox(late.at(end), 0));
   EXPECT_TRUE(early.at(end - 7'000).isApprox(late.at(end - 7'000), 0));
   EXPECT_FALSE(late.covers(kStart, kStart + 35 * kPeriod)) << "not known yet";
-  late.look_from(kStart + 35 * kPeriod);
+  late.set_horizon(kStart + 35 * kPeriod);
   EXPECT_TRUE(late.covers(kStart, kStart + 35 * kPeriod));
 }
 

@@ -36,7 +36,7 @@ class OdometryResendTest : public ::testing::Test {
       ++requests_;
       if (filter_answers_) keeper_.request(m);
     });
-    bus_.subscribe<odometry_t>(resent_channel("ODOMETRY"), [this](const odometry_t& m) { resend_.hear_again(m); });
+    bus_.subscribe<odometry_t>(resent_channel("ODOMETRY"), [this](const odometry_t& m) { resend_.add_resent(m); });
   }
   void send(int from, int to, bool are_heard = true) {
     for (int i = from; i < to; ++i) {
@@ -64,7 +64,7 @@ class OdometryResendTest : public ::testing::Test {
 TEST_F(OdometryResendTest, NothingIsAskedForWhileNothingIsMissing) {
   send(0, 200);
   tick();
-  EXPECT_FALSE(resend_.is_waited_for(scan_at(100)));
+  EXPECT_FALSE(resend_.must_wait(scan_at(100)));
   EXPECT_EQ(requests_, 0);
 }
 
@@ -72,9 +72,9 @@ TEST_F(OdometryResendTest, ASampleThatWasLostComesAgainAndTheScanWaitsForIt) {
   send(0, 50);
   send(50, 51, false);
   send(51, 100);
-  EXPECT_TRUE(resend_.is_waited_for(scan_at(48)));
+  EXPECT_TRUE(resend_.must_wait(scan_at(48)));
   tick();
-  EXPECT_FALSE(resend_.is_waited_for(scan_at(48)));
+  EXPECT_FALSE(resend_.must_wait(scan_at(48)));
   EXPECT_NEAR(history_.at(odometry_at(50).utime).translation().x(), 1.52, 1e-9);
 }
 
@@ -82,10 +82,10 @@ TEST_F(OdometryResendTest, SecondsThatWereLostComeAgain) {
   send(0, 50);
   send(50, 420, false);
   send(420, 500);
-  EXPECT_FALSE(resend_.is_waited_for(scan_at(30))) << "it needs none of it";
-  EXPECT_TRUE(resend_.is_waited_for(scan_at(100)));
+  EXPECT_FALSE(resend_.must_wait(scan_at(30))) << "it needs none of it";
+  EXPECT_TRUE(resend_.must_wait(scan_at(100)));
   for (int i = 0; i < 14; ++i) tick();
-  EXPECT_FALSE(resend_.is_waited_for(scan_at(100)));
+  EXPECT_FALSE(resend_.must_wait(scan_at(100)));
   EXPECT_TRUE(history_.covers(scan_at(300).start, scan_at(300).end));
   EXPECT_EQ(resend_.counters()["odometry.resent"], 370);
 }
@@ -94,12 +94,12 @@ TEST_F(OdometryResendTest, AScanGoesOnWithoutWhatCannotBeHad) {
   filter_answers_ = false;
   send(0, 50);
   send(420, 500);
-  EXPECT_TRUE(resend_.is_waited_for(scan_at(100)));
+  EXPECT_TRUE(resend_.must_wait(scan_at(100)));
   for (int i = 0; i < 49; ++i) tick();
-  EXPECT_TRUE(resend_.is_waited_for(scan_at(100)));
+  EXPECT_TRUE(resend_.must_wait(scan_at(100)));
   for (int i = 0; i < 2; ++i) tick();
-  EXPECT_FALSE(resend_.is_waited_for(scan_at(100)));
-  EXPECT_FALSE(resend_.is_waited_for(scan_at(110))) << "once for a gap";
+  EXPECT_FALSE(resend_.must_wait(scan_at(100)));
+  EXPECT_FALSE(resend_.must_wait(scan_at(110))) << "once for a gap";
   EXPECT_EQ(resend_.counters()["odometry.not_resent"], 1);
 }
 
@@ -107,18 +107,18 @@ TEST_F(OdometryResendTest, AStepThatIsShortIsNotWaitedForLong) {
   filter_answers_ = false;  // an IMU that leaves out a sample is no loss on the bus
   send(0, 50);
   send(51, 100);
-  EXPECT_TRUE(resend_.is_waited_for(scan_at(48)));
+  EXPECT_TRUE(resend_.must_wait(scan_at(48)));
   for (int i = 0; i < 16; ++i) tick();
-  EXPECT_FALSE(resend_.is_waited_for(scan_at(48)));
+  EXPECT_FALSE(resend_.must_wait(scan_at(48)));
 }
 
 TEST_F(OdometryResendTest, ASuccessorAsksForWhatWasSentBeforeItsTime) {
   send(0, 300, false);
   history_.begin_at(kStart + 100 * kOdometryPeriod);
   send(300, 310);
-  EXPECT_TRUE(resend_.is_waited_for(scan_at(110)));
+  EXPECT_TRUE(resend_.must_wait(scan_at(110)));
   for (int i = 0; i < 8; ++i) tick();
-  EXPECT_FALSE(resend_.is_waited_for(scan_at(110)));
+  EXPECT_FALSE(resend_.must_wait(scan_at(110)));
   EXPECT_TRUE(history_.covers(scan_at(101).start, scan_at(250).end));
 }
 

@@ -37,13 +37,13 @@ class PacketIntakeTest : public ::testing::Test {
     });
     bus_.subscribe<lidar_points_t>(resent_channel("LIDAR_POINTS"), [this](const lidar_points_t& m) {
       if (again_is_lost_-- > 0) return;
-      intake_.hear_again(m, hand_on_);
+      intake_.add_resent(m, handler_);
     });
   }
   /// The driver sends the packet; the listener hears it or not.
   void send(std::int32_t number, bool is_heard = true) {
     keeper_.keep(packet(number));
-    if (is_heard) intake_.hear(packet(number), hand_on_);
+    if (is_heard) intake_.add(packet(number), handler_);
     if (number % 15 == 14) tick();
   }
   void send_all(std::int32_t from, std::int32_t to, bool are_heard = true) {
@@ -52,7 +52,7 @@ class PacketIntakeTest : public ::testing::Test {
   void tick() {
     now_ += 20'000;
     keeper_.tick();
-    intake_.tick(now_, hand_on_);
+    intake_.tick(now_, handler_);
     bus_.dispatch();
   }
   void expect_all(std::int32_t from, std::int32_t to) const {
@@ -69,7 +69,7 @@ class PacketIntakeTest : public ::testing::Test {
   std::int64_t now_ = kStart;
   std::vector<resend_request_t> requests_;
   std::vector<std::int32_t> handed_on_;
-  PacketIntake::Handler hand_on_ = [this](const lidar_points_t& m) { handed_on_.push_back(m.packet); };
+  PacketIntake::Handler handler_ = [this](const lidar_points_t& m) { handed_on_.push_back(m.packet); };
 };
 
 /// A replay ticks each 0.25 s of message time, or each second, and nobody answers: 50 such ticks were 12 s, of which
@@ -79,10 +79,10 @@ TEST_F(PacketIntakeTest, LosesNothingButWhatIsLostWhereTicksAreFarApart) {
     PacketIntake intake(bus_, "mapper", "LIDAR_POINTS");
     handed_on_.clear();
     for (int i = 0; i < 30'000; ++i) {
-      if (i != 7'000) intake.hear(packet(i), hand_on_);
-      if (i % each == 0) intake.tick(packet(i).utime, hand_on_);
+      if (i != 7'000) intake.add(packet(i), handler_);
+      if (i % each == 0) intake.tick(packet(i).utime, handler_);
     }
-    intake.release(hand_on_);
+    intake.release(handler_);
     EXPECT_EQ(handed_on_.size(), 29'999U) << each;
     EXPECT_EQ(intake.counters().values().at("lidar.not_resent"), 1);
   }
@@ -145,7 +145,7 @@ TEST_F(PacketIntakeTest, IsPatientWhenSecondsLieInItsQueue) {
   send_all(750, 3600, false);
   for (std::int32_t i = 3600; i < 5000; ++i) {  // without a tick
     keeper_.keep(packet(i));
-    intake_.hear(packet(i), hand_on_);
+    intake_.add(packet(i), handler_);
   }
   send_all(5000, 9000);
   expect_all(0, 9000);
@@ -170,7 +170,7 @@ TEST_F(PacketIntakeTest, AStopLongerThanTheDriverKeepsIsHealedAsFarAsItCanBe) {
   bus_.subscribe<resend_request_t>(kResendRequests, [&](const resend_request_t& m) { short_memory.request(m); });
   for (int i = 0; i < 12'000; ++i) {
     short_memory.keep(packet(i));
-    if (i < 100 || i >= 4000) intake_.hear(packet(i), hand_on_);
+    if (i < 100 || i >= 4000) intake_.add(packet(i), handler_);
     if (i % 15 != 14) continue;
     short_memory.tick();
     tick();
@@ -187,16 +187,16 @@ TEST_F(PacketIntakeTest, HandsOnWhatItHoldsWhenTheDriverBeginsAnew) {
   send_all(110, 120);
   lidar_points_t first = packet(120 + 1 + static_cast<std::int32_t>(PacketIntake::kRestart / kStep));
   first.packet = 0;
-  intake_.hear(first, hand_on_);
+  intake_.add(first, handler_);
   EXPECT_THAT(handed_on_, SizeIs(111));
   EXPECT_EQ(handed_on_.back(), 0);
 }
 
 TEST_F(PacketIntakeTest, HandsOnDuplicatesForTheCounters) {
   send_all(0, 3);
-  intake_.hear(packet(1), hand_on_);
+  intake_.add(packet(1), handler_);
   EXPECT_THAT(handed_on_, ElementsAre(0, 1, 2, 1));
-  intake_.hear_again(packet(1), hand_on_);
+  intake_.add_resent(packet(1), handler_);
   EXPECT_THAT(handed_on_, SizeIs(4)) << "what was sent again for another";
 }
 
@@ -221,7 +221,7 @@ TEST_F(PacketIntakeTest, ReleasesWhatItHoldsAtTheEnd) {
   driver_answers_ = false;
   send_all(0, 100);
   send_all(105, 110);
-  intake_.release(hand_on_);
+  intake_.release(handler_);
   EXPECT_THAT(handed_on_, SizeIs(105));
 }
 
@@ -233,12 +233,12 @@ TEST_F(PacketIntakeTest, AnyNumbersAndStampsAreSurvived) {
     if (next() % 8 == 0) m.packet = static_cast<std::int32_t>(next());
     if (next() % 8 == 0) m.utime = static_cast<std::int64_t>(std::uint64_t{next()} << 32 | next());
     if (next() % 2 == 0)
-      intake_.hear(m, hand_on_);
+      intake_.add(m, handler_);
     else
-      intake_.hear_again(m, hand_on_);
-    if (i % 15 == 0) intake_.tick(static_cast<std::int64_t>(next()), hand_on_);
+      intake_.add_resent(m, handler_);
+    if (i % 15 == 0) intake_.tick(static_cast<std::int64_t>(next()), handler_);
   }
-  intake_.release(hand_on_);
+  intake_.release(handler_);
   EXPECT_GT(handed_on_.size(), 5000U);
 }
 
@@ -251,7 +251,7 @@ TEST_F(PacketIntakeTest, ADriverThatRestartsAtOnceIsNoSecondLidar) {
       if (i >= 1'000 && i < 1'000 + pause) continue;
       lidar_points_t m = packet(i);
       if (i >= 1'000) m.packet -= 1'000 + pause;
-      intake.hear(m, count);
+      intake.add(m, count);
       if (i % 15 == 0) intake.tick(kStart + i * kStep, count);
       std::vector<std::string> faults;
       intake.add_faults(faults);
@@ -265,18 +265,18 @@ TEST_F(PacketIntakeTest, OfTwoLidarsOnOneChannelOneIsHandedOnAndBothAreNamed) {
   for (const std::int32_t other : {-1'000, 50'000, 500'000}) {  // how far the second one's numbers are apart
     PacketIntake intake(bus_, "mapper", "LIDAR_POINTS");
     std::vector<std::int32_t> from_first, from_second;
-    const auto hand_on = [&](const lidar_points_t& m) {
+    const auto handler = [&](const lidar_points_t& m) {
       (m.packet % 10'000 < 5'000 ? from_first : from_second).push_back(m.packet);
     };
     for (std::int32_t i = 1'000; i < 4'000; ++i) {
       lidar_points_t m = packet(i);
-      intake.hear(m, hand_on);
+      intake.add(m, handler);
       if (i >= 2'000 && i < 3'000) {
         m.packet += other + 5'000;
         m.utime += 400;
-        intake.hear(m, hand_on);
+        intake.add(m, handler);
       }
-      if (i % 15 == 0) intake.tick(kStart + i * kStep, hand_on);
+      if (i % 15 == 0) intake.tick(kStart + i * kStep, handler);
       std::vector<std::string> faults;
       intake.add_faults(faults);
       if (i > 2'100 && i < 3'000) {

@@ -37,12 +37,12 @@ class DoorServer : public ::testing::Test {
   std::string answer(const std::string& asked) {
     RawClient client(server_->port());
     client.send_bytes(asked);
-    return hear_until(client, "\r\n\r\n");
+    return receive_until(client, "\r\n\r\n");
   }
   /// What comes until `end` is in it; on a busy machine that takes its time.
-  static std::string hear_until(RawClient& client, std::string_view end) {
+  static std::string receive_until(RawClient& client, std::string_view end) {
     std::string heard;
-    for (int i = 0; i < 100 && heard.find(end) == std::string::npos; ++i) heard += client.hear(100);
+    for (int i = 0; i < 100 && heard.find(end) == std::string::npos; ++i) heard += client.receive(100);
     return heard;
   }
   bool comes_to(const std::function<bool()>& condition) {
@@ -129,9 +129,9 @@ TEST_F(DoorServer, CountsNothingForAClientThatTakesAll) {
   const PageId id = came();
   ASSERT_NE(id, 0U);
   server_->send_text(id, "{}");
-  EXPECT_THAT(hear_until(client, "{}"), HasSubstr("\x81\x02{}"));  // a whole text message
+  EXPECT_THAT(receive_until(client, "{}"), HasSubstr("\x81\x02{}"));  // a whole text message
   server_->send(id, std::make_shared<const std::vector<std::uint8_t>>(std::vector<std::uint8_t>{7}));
-  EXPECT_THAT(hear_until(client, "\x07"), HasSubstr("\x82\x01\x07"));  // a binary one
+  EXPECT_THAT(receive_until(client, "\x07"), HasSubstr("\x82\x01\x07"));  // a binary one
   EXPECT_TRUE(comes_to([&] { return server_->queued(id) == 0; }));
 }
 
@@ -140,7 +140,7 @@ TEST_F(DoorServer, EndsAClientThatSaysTooMuchAtOnce) {
   RawClient client(server_->port());
   client.send_bytes(request("foxglove.sdk.v1"));
   ASSERT_NE(came(), 0U);
-  client.say_message_head(1'000'000'000'000);
+  client.send_message_head(1'000'000'000'000);
   client.send_bytes(std::string(20'000, 'x'));
   EXPECT_TRUE(client.is_closed_within(10));
   EXPECT_EQ(counted("refused.messages"), 1);
@@ -152,9 +152,9 @@ TEST_F(DoorServer, TakesNoMoreClientsThanPages) {
   RawClient one(server_->port());
   RawClient two(server_->port());
   one.send_bytes(request("foxglove.sdk.v1"));
-  EXPECT_THAT(hear_until(one, "\r\n\r\n"), StartsWith("HTTP/1.1 101"));
+  EXPECT_THAT(receive_until(one, "\r\n\r\n"), StartsWith("HTTP/1.1 101"));
   two.send_bytes(request("foxglove.sdk.v1"));
-  EXPECT_THAT(hear_until(two, "\r\n\r\n"), StartsWith("HTTP/1.1 101"));
+  EXPECT_THAT(receive_until(two, "\r\n\r\n"), StartsWith("HTTP/1.1 101"));
   EXPECT_THAT(answer(request("foxglove.sdk.v1")), StartsWith("HTTP/1.1 503"));
   EXPECT_EQ(counted("refused.pages"), 1);
 }

@@ -45,7 +45,7 @@ void PageOnABus::stop_viewer() {
 }
 
 void PageOnABus::repeat_tiles() {
-  for (const auto& [key, tile] : tiles) say("SEMANTIC_TILE", tile);
+  for (const auto& [key, tile] : tiles) send("SEMANTIC_TILE", tile);
 }
 
 void PageOnABus::go_on() {
@@ -54,20 +54,20 @@ void PageOnABus::go_on() {
   if (bus_is_alive && now - said_ >= kRevolution) {
     if (said_ > 0) vehicle_x += speed * static_cast<double>(now - said_) * 1e-6;
     said_ = now;
-    say_pose();
+    send_pose();
   }
   node_->tick(now);
   bus_->dispatch();
 }
 
-void PageOnABus::say_pose() {
+void PageOnABus::send_pose() {
   map_pose_t pose{};
   pose.utime = said_;
   pose.epoch = epoch();
   pose.map_base_position[0] = vehicle_x;
   pose.map_base_orientation[0] = pose.map_odom_orientation[0] = 1;
   pose.flags = map_pose_t::REGISTERED;
-  say("MAP_POSE", pose);
+  send("MAP_POSE", pose);
 }
 
 void PageOnABus::begin_epoch() {
@@ -76,14 +76,14 @@ void PageOnABus::begin_epoch() {
   browser->pass(0.2);  // the mapper's poses announce it
 }
 
-void PageOnABus::say_playback() {
+void PageOnABus::send_playback() {
   node_->set_playback({.position = 12, .progress = 0.4, .speed = 1, .paused = false, .ended = false});
 }
 
 void PageOnABus::put(const semantic_tile_t& tile) {
   tiles[{tile.tile_x, tile.tile_y}] = tile;
   tiles[{tile.tile_x, tile.tile_y}].revision = ++revision_;
-  say("SEMANTIC_TILE", tiles[{tile.tile_x, tile.tile_y}]);
+  send("SEMANTIC_TILE", tiles[{tile.tile_x, tile.tile_y}]);
 }
 
 semantic_tile_t PageOnABus::tile_of(int x, int y, std::int8_t cell_class) const {

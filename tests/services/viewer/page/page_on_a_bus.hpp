@@ -45,7 +45,7 @@ class PageOnABus : public ::testing::Test {
   /// The mapper has started anew: what is said from here on is of another map.
   void begin_epoch();
   void put(const semantic_tile_t& tile);
-  void say_playback();
+  void send_playback();
   [[nodiscard]] semantic_tile_t tile_of(int x, int y, std::int8_t cell_class) const;
   [[nodiscard]] static Rgb colour_of(int cell_class);  // light theme; of none: the paper's is no colour
   /// Where the page has a place of the map.
@@ -66,7 +66,7 @@ class PageOnABus : public ::testing::Test {
 
  private:
   void go_on();
-  void say_pose();
+  void send_pose();
 
   std::int64_t epoch_ = 0;
   std::int32_t revision_ = 0;
@@ -82,7 +82,7 @@ class PageOnABus : public ::testing::Test {
     if (node_) bus_->inject(channel, data, size);
   }
   template <class Message>
-  void say(const std::string& channel, const Message& message) {
+  void send(const std::string& channel, const Message& message) {
     bus_->publish(channel, message);
     bus_->dispatch();
   }

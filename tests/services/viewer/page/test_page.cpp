@@ -55,7 +55,7 @@ class Page : public PageOnABus {
     curbs.box_max[0] = curbs.box_max[1] = 20;
     curbs.num_lines = 1;
     curbs.lines = {line};
-    say("CURBS", curbs);
+    send("CURBS", curbs);
   }
   /// With the cards out of the way: on a busy machine a notice comes and goes between the picture and the question of
   /// what it covers.
@@ -202,7 +202,7 @@ TEST_F(Page, PaintOnTheRoadIsDrawnWithItsGapsAndWithItsWidth) {
   markings.box_max[0] = markings.box_max[1] = 20;
   markings.num_lines = 1;
   markings.lines = {line};
-  say("MARKINGS", markings);
+  send("MARKINGS", markings);
   open(fmt::format("at=-1.5,-1.5,80,0&{}", kPlainMap));
   ASSERT_TRUE(browser->comes_to("curbstone.world.markings.size === 1"));
   const Rgb white = {255, 255, 255}, road = colour_of(semantic_tile_t::ROAD);
@@ -230,7 +230,7 @@ TEST_F(Page, TheLocalizedPoseIsAVehicleOfItsOwn) {
   pose.map_base_position[1] = -3;
   pose.map_base_orientation[0] = pose.map_odom_orientation[0] = 1;
   pose.flags = map_pose_t::REGISTERED;
-  say("LOCALIZED_POSE", pose);
+  send("LOCALIZED_POSE", pose);
   ASSERT_TRUE(browser->comes_to("curbstone.world.state.localized?.here"));
   const Rgb teal = {0, 133, 122};
   const auto is_drawn = [&] {
@@ -290,7 +290,7 @@ TEST_F(Page, AProcessThatLosesMessagesShowsHowMany) {
   for (int second = 1; second <= 4; ++second) {
     status.utime = status.uptime = second * 1'000'000;
     status.counter_value = {750 * second, second < 3 ? 0 : 30 * (second - 2)};
-    say("SERVICE_STATUS", status);
+    send("SERVICE_STATUS", status);
     ASSERT_TRUE(browser->comes_to(fmt::format("curbstone.world.services[0]?.uptime >= {}", second)));
     browser->pass(0.6);  // the page writes them twice a second
   }
@@ -329,7 +329,7 @@ TEST_F(Page, NoCardLiesOnAnotherOnAnyScreen) {
                                              {390, 844, true},
                                              {360, 640, true}}) {
     browser->resize(width, height, touch);
-    say_playback();
+    send_playback();
     ASSERT_TRUE(browser->comes_to("!document.getElementById('timeline').hidden"));
     const auto overlaps = browser->evaluate(R"((() => {
       const boxes = ["bar", "tools", "timeline", "rule", "place", "panel"].map(id => [id, document.getElementById(id).getBoundingClientRect()]);

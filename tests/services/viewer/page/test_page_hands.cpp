@@ -230,7 +230,7 @@ curb_lines_t curb_of(bool lowered, bool inferred, std::int32_t epoch) {
 TEST_F(PageHands, AnInferredCurbSaysThatNobodySawItAndWhatHidesIt) {
   put_a_road();
   put(tile_of(-1, 0, semantic_tile_t::WALL));  // a parked vehicle
-  say("CURBS", curb_of(false, true, epoch()));
+  send("CURBS", curb_of(false, true, epoch()));
   open(kView);
   ASSERT_TRUE(browser->comes_to("curbstone.world.curbs.size === 1"));
   const Spot spot = spot_of(-2, -0.05);
@@ -244,7 +244,7 @@ TEST_F(PageHands, AnInferredCurbSaysThatNobodySawItAndWhatHidesIt) {
 
 TEST_F(PageHands, ALoweredCurbSaysSo) {
   put_a_road();
-  say("CURBS", curb_of(true, false, epoch()));
+  send("CURBS", curb_of(true, false, epoch()));
   open(kView);
   ASSERT_TRUE(browser->comes_to("curbstone.world.curbs.size === 1"));
   const Spot spot = spot_of(-2, -0.05);

@@ -37,18 +37,18 @@ class PageMemory : public PageOnABus {
       paint.painted.push_back(1);
     }
     curb.num_points = paint.num_points = 200;
-    say_box<curb_lines_t>("CURBS", curb);
-    say_box<marking_lines_t>("MARKINGS", paint);
+    send_box<curb_lines_t>("CURBS", curb);
+    send_box<marking_lines_t>("MARKINGS", paint);
   }
   template <class Message, class Line>
-  void say_box(const std::string& channel, const Line& line) {
+  void send_box(const std::string& channel, const Line& line) {
     Message message{};
     message.epoch = epoch();
     message.box_min[0] = message.box_min[1] = -50;
     message.box_max[0] = message.box_max[1] = 50;
     message.num_lines = 1;
     message.lines = {line};
-    say(channel, message);
+    send(channel, message);
   }
 };
 

@@ -18,12 +18,12 @@ class PageNewMap : public PageOnABus {
     vehicle_x = 0;
     begin_epoch();
   }
-  void say_why() {
+  void send_reason() {
     service_status_t status{};
     status.service = "mapper";
     status.num_faults = 1;
     status.fault = {"a new map begins: the vehicle was lost, which stays in maps/monday"};
-    say("SERVICE_STATUS", status);
+    send("SERVICE_STATUS", status);
   }
 };
 
@@ -31,7 +31,7 @@ TEST_F(PageNewMap, IsSaidInWordsWithTheMappersReason) {
   drive_away();
   begin_new_map();
   EXPECT_TRUE(shows("#curtain", "A new map began")) << text_of("body");
-  say_why();
+  send_reason();
   EXPECT_TRUE(shows("#curtain", "the vehicle was lost, which stays in maps/monday")) << text_of("#curtain");
   put(tile_of(0, 0, semantic_tile_t::ROAD));
   EXPECT_TRUE(shows("#curtain", "A new map began")) << "while it grows";

@@ -21,7 +21,7 @@ class PageRoom : public PageOnABus {
   }
   void show_on(int width, int height) {
     browser->resize(width, height, true);
-    say_playback();
+    send_playback();
     ASSERT_TRUE(browser->comes_to("document.getElementById('timeline').checkVisibility()"));
     ASSERT_TRUE(browser->comes_to(fmt::format("curbstone.camera.width === {}", width)));
   }

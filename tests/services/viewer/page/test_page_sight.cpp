@@ -46,7 +46,7 @@ TEST_F(PageSight, AnEllipseLargerThanTheViewTintsNoMap) {
   pose.flags = map_pose_t::LOST;
   for (int i = 0; i < 20; ++i) {
     pose.utime += 50'000;
-    say("MAP_POSE", pose);
+    send("MAP_POSE", pose);
     browser->pass(0.05);
   }
   ASSERT_EQ(browser->evaluate("curbstone.world.state.pose.lost"), true);
@@ -98,7 +98,7 @@ TEST_F(PageSight, AHeadingIsNeverFullCircle) {
   pose.flags = map_pose_t::REGISTERED;
   for (int i = 0; i < 4; ++i) {
     pose.utime += 50'000;
-    say("MAP_POSE", pose);
+    send("MAP_POSE", pose);
   }
   ASSERT_TRUE(browser->comes_to("curbstone.world.state.pose.yaw < 0"));
   EXPECT_TRUE(shows("#facts", "0.0°")) << text_of("#facts");

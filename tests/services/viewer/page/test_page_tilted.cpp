@@ -175,7 +175,7 @@ TEST_F(PageTilted, ALostLocalizerSaysSoInWords) {
   const auto says_until = [&](const std::string& words) {
     for (int i = 0; i < 300 && text_of("#facts").find(words) == std::string::npos; ++i) {
       ++pose.utime;
-      say("LOCALIZED_POSE", pose);
+      send("LOCALIZED_POSE", pose);
       browser->pass(0.05);
     }
     return text_of("#facts");

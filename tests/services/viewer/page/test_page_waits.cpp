@@ -18,11 +18,11 @@ TEST_F(PageWaits, AndSaysInWordsForWhat) {
   browser->open(address);
   service_status_t status{};
   status.service = "viewer";
-  say("SERVICE_STATUS", status);  // its own, which comes back from the bus
+  send("SERVICE_STATUS", status);  // its own, which comes back from the bus
   EXPECT_TRUE(shows("#curtain", "Nothing has been heard on the bus yet")) << text_of("body");
   EXPECT_EQ(text_of("#status"), "Waiting");
   status.service = "lidar";
-  say("SERVICE_STATUS", status);
+  send("SERVICE_STATUS", status);
   EXPECT_TRUE(shows("#curtain", "No pose has come from the mapper yet")) << text_of("body");
   EXPECT_EQ(browser->evaluate("document.getElementById('timeline').hidden"), true) << "nothing to look back to";
   bus_is_alive = true;

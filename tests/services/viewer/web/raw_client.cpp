@@ -45,7 +45,7 @@ bool RawClient::send_bytes(std::string_view bytes) {
   return true;
 }
 
-std::string RawClient::hear(int quiet) {
+std::string RawClient::receive(int quiet) {
   std::string heard;
   std::array<char, 65536> buffer{};
   pollfd waits{fd_, POLLIN, 0};
@@ -57,7 +57,7 @@ std::string RawClient::hear(int quiet) {
   return heard;
 }
 
-bool RawClient::hear_until(std::string& heard, std::size_t size) {
+bool RawClient::receive_until(std::string& heard, std::size_t size) {
   std::array<char, 65536> buffer{};
   pollfd waits{fd_, POLLIN, 0};
   while (heard.size() < size) {
@@ -69,29 +69,29 @@ bool RawClient::hear_until(std::string& heard, std::size_t size) {
   return true;
 }
 
-std::string RawClient::hear_answer(bool with_body) {
+std::string RawClient::receive_answer(bool with_body) {
   std::string heard;
   const auto ends = [&] { return heard.ends_with("\r\n\r\n"); };
   while (!ends()) {
-    if (!hear_until(heard, heard.size() + 1)) return heard;
+    if (!receive_until(heard, heard.size() + 1)) return heard;
   }
   const std::string_view says = "\r\nContent-Length: ";
   const std::size_t length = heard.find(says);
   if (with_body && length != std::string::npos)
-    hear_until(heard, heard.size() + std::stoul(heard.substr(length + says.size())));
+    receive_until(heard, heard.size() + std::stoul(heard.substr(length + says.size())));
   return heard;
 }
 
-std::string RawClient::hear_frame() {
+std::string RawClient::receive_frame() {
   std::string heard;
-  if (!hear_until(heard, 2)) return heard;
+  if (!receive_until(heard, 2)) return heard;
   const auto byte = [&](std::size_t i) { return std::size_t{static_cast<unsigned char>(heard[i])}; };
   std::size_t length = byte(1) & 0x7f;
   const std::size_t head = length == 126 ? 4 : length == 127 ? 10 : 2;
-  if (!hear_until(heard, head)) return heard;
+  if (!receive_until(heard, head)) return heard;
   if (head > 2) length = 0;
   for (std::size_t i = 2; i < head; ++i) length = length << 8 | byte(i);
-  hear_until(heard, head + length);
+  receive_until(heard, head + length);
   return heard;
 }
 
@@ -120,11 +120,11 @@ std::string RawClient::upgrade(const std::string& host, const std::string& origi
   return head;
 }
 
-bool RawClient::say_message(std::string_view text) {
-  return say_first_byte_and('\x81', text);
+bool RawClient::send_message(std::string_view text) {
+  return send_first_byte_and('\x81', text);
 }
 
-bool RawClient::say_first_byte_and(char first, std::string_view text) {
+bool RawClient::send_first_byte_and(char first, std::string_view text) {
   std::string bytes(1, first);
   if (text.size() < 126) {
     bytes += static_cast<char>(0x80 | text.size());
@@ -137,7 +137,7 @@ bool RawClient::say_first_byte_and(char first, std::string_view text) {
   return send_bytes(bytes + std::string(text));
 }
 
-bool RawClient::say_message_head(std::uint64_t length) {
+bool RawClient::send_message_head(std::uint64_t length) {
   std::string bytes = "\x81\xff";
   for (int shift = 56; shift >= 0; shift -= 8) bytes += static_cast<char>(length >> shift & 0xff);
   return send_bytes(bytes + std::string(4, '\0'));

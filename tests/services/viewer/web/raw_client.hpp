@@ -19,12 +19,12 @@ class RawClient {
   /// False: the server has closed the connection.
   bool send_bytes(std::string_view bytes);
   /// What comes until the server closes the connection, or nothing came for `quiet` ms: for who asks again.
-  std::string hear(int quiet);
+  std::string receive(int quiet);
   /// A whole HTTP answer, with as many bytes behind its head as that says; less if the server closes the connection, or
   /// nothing came for a minute.
-  std::string hear_answer(bool with_body = true);
+  std::string receive_answer(bool with_body = true);
   /// A whole WebSocket frame, likewise.
-  std::string hear_frame();
+  std::string receive_frame();
   /// Waits until the server closes, at most `seconds`; what it says meanwhile is dropped.
   bool is_closed_within(double seconds);
   void shrink_receive_buffer();
@@ -33,16 +33,16 @@ class RawClient {
   std::string upgrade(const std::string& host, const std::string& origin, const std::string& target = "/live",
                       const std::string& extensions = "");
   /// A text message, masked, of the given bytes.
-  bool say_message(std::string_view text);
+  bool send_message(std::string_view text);
   /// The same of bytes that were compressed (RFC 7692).
-  bool say_compressed(std::string_view bytes) { return say_first_byte_and('\xc1', bytes); }
+  bool send_compressed(std::string_view bytes) { return send_first_byte_and('\xc1', bytes); }
   /// Head of a text message of `length` bytes, of which none follow.
-  bool say_message_head(std::uint64_t length);
+  bool send_message_head(std::uint64_t length);
 
  private:
   /// Adds what comes to `heard`, until that has `size` bytes. False where it does not come to that.
-  bool hear_until(std::string& heard, std::size_t size);
-  bool say_first_byte_and(char first, std::string_view payload);
+  bool receive_until(std::string& heard, std::size_t size);
+  bool send_first_byte_and(char first, std::string_view payload);
   int fd_ = -1;
 };
 

@@ -49,7 +49,7 @@ class HostileClients : public ::testing::Test {
   void expect_frames(int n) {
     for (int i = 0; i < n; ++i) {
       server_->send(id_, std::make_shared<std::vector<std::uint8_t>>(100, static_cast<std::uint8_t>(i)));
-      const std::string heard = page_->hear_frame();
+      const std::string heard = page_->receive_frame();
       ASSERT_EQ(heard.size(), 102U) << "frame " << i;
       EXPECT_EQ(heard.back(), static_cast<char>(i));
     }
@@ -58,7 +58,7 @@ class HostileClients : public ::testing::Test {
     EXPECT_TRUE(comes_to([&] {
       RawClient visitor(server_->port());
       visitor.send_bytes(get("/", host_));
-      return visitor.hear_answer().find("200 OK") != std::string::npos;
+      return visitor.receive_answer().find("200 OK") != std::string::npos;
     }));
   }
 
@@ -105,7 +105,7 @@ TEST_F(HostileClients, GiantFramesOneAfterAnother) {
   for (int i = 0; i < 30; ++i) {
     RawClient giant(server_->port());
     ASSERT_THAT(giant.upgrade(host_, "http://" + host_), StartsWith("HTTP/1.1 101")) << i;
-    giant.say_message_head(std::uint64_t{1} << (20 + i));
+    giant.send_message_head(std::uint64_t{1} << (20 + i));
     giant.send_bytes(std::string(20'000, 'x'));
     EXPECT_TRUE(giant.is_closed_within(20)) << i;
   }
@@ -130,7 +130,7 @@ TEST_F(HostileClients, NamesThatWereBoundToThisAddress) {
   for (const std::string& name : names) {
     RawClient visitor(server_->port());
     visitor.send_bytes(get("/", name));
-    EXPECT_THAT(visitor.hear_answer(), HasSubstr(" 403 ")) << name;
+    EXPECT_THAT(visitor.receive_answer(), HasSubstr(" 403 ")) << name;
     RawClient rebound(server_->port());
     EXPECT_THAT(rebound.upgrade(name, "http://" + name), HasSubstr(" 403 ")) << name;
   }

@@ -63,7 +63,7 @@ class WebServerTest : public ::testing::Test {
   std::string ask(const std::string& request) {
     RawClient client = connect();
     client.send_bytes(request);
-    return client.hear_answer(!request.starts_with("HEAD "));
+    return client.receive_answer(!request.starts_with("HEAD "));
   }
   RawClient open_page() {
     RawClient client = connect();
@@ -148,14 +148,14 @@ TEST_F(WebServerTest, IsReadOnly) {
 TEST_F(WebServerTest, TellsTheNodeWhatPagesSayAndSendsThemFrames) {
   start();
   RawClient page = open_page();
-  page.say_message("hello");
+  page.send_message("hello");
   auto events = wait_for_events(2);
   ASSERT_EQ(events.size(), 2U);
   EXPECT_EQ(events[0].kind, Connections::Event::Kind::kConnected);
   EXPECT_EQ(events[1].text, "hello");
   EXPECT_EQ(events[0].page, events[1].page);
   server_->send(events[0].page, std::make_shared<std::vector<std::uint8_t>>(std::vector<std::uint8_t>{1, 2, 3}));
-  EXPECT_EQ(page.hear_frame(), std::string("\x82\x03\x01\x02\x03"));
+  EXPECT_EQ(page.receive_frame(), std::string("\x82\x03\x01\x02\x03"));
   server_->send(12345, std::make_shared<std::vector<std::uint8_t>>(3));
   { const RawClient gone = std::move(page); }
   events = wait_for_events(1);
@@ -198,12 +198,12 @@ TEST_F(WebServerTest, GarbageIsRefused) {
 TEST_F(WebServerTest, AGiantMessageEndsThePage) {
   start();
   RawClient page = open_page();
-  page.say_message_head(std::uint64_t{1} << 40);
+  page.send_message_head(std::uint64_t{1} << 40);
   page.send_bytes(std::string(5000, 'x'));
   EXPECT_TRUE(page.is_closed_within(20));
   EXPECT_TRUE(comes_to([&] { return counted("refused.messages") == 1; }));
   RawClient other = open_page();
-  other.say_message(std::string(5000, 'x'));
+  other.send_message(std::string(5000, 'x'));
   EXPECT_TRUE(other.is_closed_within(20));
   EXPECT_TRUE(comes_to([&] { return counted("refused.messages") == 2; }));
 }
@@ -219,13 +219,13 @@ TEST_F(WebServerTest, FramesAreCompressedForABrowserThatUnpacksThem) {
   for (std::size_t i = 0; i < frame->size(); ++i) (*frame)[i] = static_cast<std::uint8_t>(i / 100);
   for (int i = 0; i < 2; ++i) {  // the second does not build on the first
     server_->send(events[0].page, frame);
-    const std::string heard = page.hear_frame();
+    const std::string heard = page.receive_frame();
     ASSERT_THAT(heard, SizeIs(AllOf(Gt(4U), Lt(2000U))));
     EXPECT_EQ(heard[0], '\xc2');  // one piece, compressed, binary
     const std::size_t head = heard[1] == 126 ? 4 : 2;
     EXPECT_EQ(inflated(heard.substr(head), frame->size()), std::string(frame->begin(), frame->end()));
   }
-  page.say_compressed(deflated("a word"));
+  page.send_compressed(deflated("a word"));
   EXPECT_EQ(wait_for_events(1)[0].text, "a word");
 }
 
@@ -235,7 +235,7 @@ TEST_F(WebServerTest, AMessageThatUnpacksToAGiantEndsThePage) {
   page.upgrade(host_, "http://" + host_, "/live", "permessage-deflate");
   const std::string bomb = deflated(std::string(3'000'000, 'x'));
   ASSERT_THAT(bomb, SizeIs(Lt(4000U)));
-  page.say_compressed(bomb);
+  page.send_compressed(bomb);
   EXPECT_TRUE(page.is_closed_within(20));
   EXPECT_TRUE(comes_to([&] { return counted("refused.messages") == 1; }));
 }
@@ -243,7 +243,7 @@ TEST_F(WebServerTest, AMessageThatUnpacksToAGiantEndsThePage) {
 TEST_F(WebServerTest, AFloodOfMessagesEndsThePage) {
   start();
   RawClient page = open_page();
-  for (int i = 0; i < 1000; ++i) page.say_message("x");
+  for (int i = 0; i < 1000; ++i) page.send_message("x");
   EXPECT_TRUE(page.is_closed_within(20));
   EXPECT_GE(counted("refused.messages"), 1);
   EXPECT_LE(wait_for_events(52).size(), 53U);
@@ -260,7 +260,7 @@ TEST_F(WebServerTest, APageThatDoesNotReadIsCutOffAndHoldsNobodyUp) {
   const auto frame = std::make_shared<std::vector<std::uint8_t>>(4'000'000);
   for (int i = 0; i < 20; ++i) server_->send(events[0].page, frame);
   server_->send(events[1].page, std::make_shared<std::vector<std::uint8_t>>(2));
-  EXPECT_EQ(other.hear_frame().size(), 4U);
+  EXPECT_EQ(other.receive_frame().size(), 4U);
   EXPECT_TRUE(comes_to([&] { return counted("dropped.slow_page") == 1; }));
   EXPECT_GT(counted("dropped.frames"), 0);
 }
@@ -296,7 +296,7 @@ TEST_F(WebServerTest, TwoHundredConnectionsLeaveThePageItsOwn) {
   std::vector<RawClient> crowd;
   for (int i = 0; i < 200; ++i) crowd.push_back(connect());
   EXPECT_TRUE(comes_to([&] { return counted("refused.connections") >= 150; })) << counted("refused.connections");
-  page.say_message("still here");
+  page.send_message("still here");
   const auto events = wait_for_events(1);
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0].text, "still here");

@@ -20,7 +20,7 @@ using Json = nlohmann::json;
 
 using test::kStart;
 
-void hear(ChainTrace& trace, const std::string& channel, const std::vector<std::uint8_t>& bytes, std::int64_t now) {
+void receive(ChainTrace& trace, const std::string& channel, const std::vector<std::uint8_t>& bytes, std::int64_t now) {
   trace.on_message(channel, bytes.data(), bytes.size(), now);
 }
 
@@ -60,8 +60,9 @@ std::vector<Json> events_of(const Json& file, const std::string& name, const std
 
 TEST(ChainTrace, PacketsOfARevolutionAreOneSpanFromTheFirstShotToTheLastArrival) {
   ChainTrace trace;
-  for (int i = 0; i < 37; ++i) hear(trace, "LIDAR_POINTS", packet(kStart + i * 1'350, 7), kStart + i * 1'350 + 2'000);
-  hear(trace, "LIDAR_POINTS", packet(kStart + 50'000, 8), kStart + 52'000);
+  for (int i = 0; i < 37; ++i)
+    receive(trace, "LIDAR_POINTS", packet(kStart + i * 1'350, 7), kStart + i * 1'350 + 2'000);
+  receive(trace, "LIDAR_POINTS", packet(kStart + 50'000, 8), kStart + 52'000);
   ASSERT_EQ(trace.channels().at("LIDAR_POINTS").size(), 2U);
   const Span& span = trace.channels().at("LIDAR_POINTS").at(7);
   EXPECT_EQ(span.measured, kStart);
@@ -72,7 +73,7 @@ TEST(ChainTrace, PacketsOfARevolutionAreOneSpanFromTheFirstShotToTheLastArrival)
 
 TEST(ChainTrace, MessagesOfOneStampAreOneSpan) {
   ChainTrace trace;
-  for (const int ms : {12, 9, 20}) hear(trace, "MAP_POSE", pose(kStart), kStart + ms * 1'000);
+  for (const int ms : {12, 9, 20}) receive(trace, "MAP_POSE", pose(kStart), kStart + ms * 1'000);
   const Span& span = trace.channels().at("MAP_POSE").at(kStart);
   EXPECT_EQ(span.first_arrival, kStart + 12'000) << "as it came";
   EXPECT_EQ(span.last_arrival, kStart + 20'000);
@@ -82,30 +83,30 @@ TEST(ChainTrace, MessagesOfOneStampAreOneSpan) {
 TEST(ChainTrace, ATileCountsWhenItFirstShowsAMeasurement) {
   ChainTrace trace;
   semantic_tile_t tile{};
-  const auto say = [&](std::int32_t x, std::int64_t utime, int ms) {
+  const auto send = [&](std::int32_t x, std::int64_t utime, int ms) {
     tile.tile_x = x;
     tile.utime = utime;
-    hear(trace, "SEMANTIC_TILE", encoded(tile), kStart + ms * 1'000);
+    receive(trace, "SEMANTIC_TILE", encoded(tile), kStart + ms * 1'000);
   };
-  say(0, kStart, 30);
-  say(1, kStart, 35);
-  say(0, kStart, 400);  // its curbs
+  send(0, kStart, 30);
+  send(1, kStart, 35);
+  send(0, kStart, 400);  // its curbs
   const Span& span = trace.channels().at("SEMANTIC_TILE").at(kStart);
   EXPECT_EQ(span.messages, 2);
   EXPECT_EQ(span.last_arrival, kStart + 35'000);
-  say(0, kStart + 50'000, 450);
+  send(0, kStart + 50'000, 450);
   EXPECT_EQ(trace.channels().at("SEMANTIC_TILE").size(), 2U);
 }
 
 TEST(ChainTrace, WhatHasNoStampOrOneOfAnotherTimeIsLeftOut) {
   ChainTrace trace;
-  hear(trace, "MAP_POSE", pose(std::numeric_limits<std::int64_t>::min()), kStart);
-  hear(trace, "MAP_POSE", pose(std::numeric_limits<std::int64_t>::max()), kStart);
-  hear(trace, "MAP_POSE", pose(kStart - 11'000'000), kStart);
-  hear(trace, "MAP_POSE", {1, 2, 3}, kStart);
+  receive(trace, "MAP_POSE", pose(std::numeric_limits<std::int64_t>::min()), kStart);
+  receive(trace, "MAP_POSE", pose(std::numeric_limits<std::int64_t>::max()), kStart);
+  receive(trace, "MAP_POSE", pose(kStart - 11'000'000), kStart);
+  receive(trace, "MAP_POSE", {1, 2, 3}, kStart);
   auto cut = packet(kStart, 1);
   cut.resize(17);
-  hear(trace, "LIDAR_POINTS", cut, kStart);
+  receive(trace, "LIDAR_POINTS", cut, kStart);
   EXPECT_EQ(trace.left_out(), 5);
   EXPECT_EQ(trace.spans(), 0U);
   EXPECT_TRUE(Json::accept(trace_json(trace)));
@@ -117,8 +118,8 @@ TEST(ChainTrace, AnyBytesAreSurvivedAndMemoryIsBounded) {
   for (int i = 0; i < 20'000; ++i) {
     auto bytes = i % 2 == 0 ? packet(kStart, i) : status("s", i, i);
     bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
-    hear(trace, i % 2 == 0 ? "LIDAR_POINTS" : "SERVICE_STATUS", bytes, kStart);
-    hear(trace, "C" + std::to_string(i), pose(kStart), kStart);
+    receive(trace, i % 2 == 0 ? "LIDAR_POINTS" : "SERVICE_STATUS", bytes, kStart);
+    receive(trace, "C" + std::to_string(i), pose(kStart), kStart);
   }
   EXPECT_LE(trace.channels().size(), ChainTrace::kMaxChannels);
   EXPECT_TRUE(Json::accept(trace_json(trace)));
@@ -126,10 +127,10 @@ TEST(ChainTrace, AnyBytesAreSurvivedAndMemoryIsBounded) {
 
 TEST(TraceJson, IsWhatViewersOpenWithTheChainFromTopToBottom) {
   ChainTrace trace;
-  hear(trace, "MAP_POSE", pose(kStart + 50'000), kStart + 63'000);
-  hear(trace, "LIDAR_POINTS", packet(kStart, 7), kStart + 51'000);
-  hear(trace, "SERVICE_STATUS", status("mapper", 1'000'000, 0), kStart + 10'000);
-  hear(trace, "SERVICE_STATUS", status("mapper", 2'000'000, 250'000), kStart + 1'010'000);
+  receive(trace, "MAP_POSE", pose(kStart + 50'000), kStart + 63'000);
+  receive(trace, "LIDAR_POINTS", packet(kStart, 7), kStart + 51'000);
+  receive(trace, "SERVICE_STATUS", status("mapper", 1'000'000, 0), kStart + 10'000);
+  receive(trace, "SERVICE_STATUS", status("mapper", 2'000'000, 250'000), kStart + 1'010'000);
   const Json file = Json::parse(trace_json(trace));
   const auto lidar = events_of(file, "LIDAR_POINTS", "X");
   ASSERT_EQ(lidar.size(), 1U);
@@ -150,7 +151,7 @@ TEST(TraceJson, IsWhatViewersOpenWithTheChainFromTopToBottom) {
 
 TEST(TraceJson, SpansThatOverlapHaveRowsOfTheirOwn) {
   ChainTrace trace;
-  for (int i = 0; i < 4; ++i) hear(trace, "MAP_POSE", pose(kStart + i * 50'000), kStart + i * 50'000 + 70'000);
+  for (int i = 0; i < 4; ++i) receive(trace, "MAP_POSE", pose(kStart + i * 50'000), kStart + i * 50'000 + 70'000);
   std::map<int, std::int64_t> free_from;
   for (const Json& event : events_of(Json::parse(trace_json(trace)), "MAP_POSE", "X")) {
     EXPECT_GE(event.at("ts").get<std::int64_t>(), free_from[event.at("tid").get<int>()]);

@@ -56,12 +56,12 @@ simulate::world::Ground make_ground(const CurbSceneOptions& o) {
 }
 
 /// The objects in a scene, placed along the road.
-class SceneFurniture {
+class SceneObjects {
  public:
-  SceneFurniture(const CurbSceneOptions& options, const simulate::world::Ground& ground, std::uint64_t seed)
+  SceneObjects(const CurbSceneOptions& options, const simulate::world::Ground& ground, std::uint64_t seed)
       : options_(options), ground_(ground), random_(simulate::numerics::mix_bits(seed ^ 0xca25)) {}
 
-  std::vector<simulate::world::Shape> furnish() {
+  std::vector<simulate::world::Shape> place() {
     for (const int side : {1, -1}) {
       const double curb = side > 0 ? options_.left : options_.right;
       if (options_.parked_cars) park(side, curb);
@@ -106,7 +106,7 @@ class SceneFurniture {
 
 simulate::world::Scene make_scene(const CurbSceneOptions& options, std::uint64_t seed) {
   simulate::world::Ground ground = make_ground(options);
-  std::vector<simulate::world::Shape> shapes = SceneFurniture(options, ground, seed).furnish();
+  std::vector<simulate::world::Shape> shapes = SceneObjects(options, ground, seed).place();
   return {std::move(ground), std::move(shapes)};
 }
 

@@ -49,7 +49,7 @@ class LogFeed {
   void pass_on(bool all) {
     while (!pending_.empty() && (all || !with_odometry_ || history_.reaches(pending_.front().end))) {
       const mapper::scan::Scan& next = pending_.front();
-      history_.look_from(next.end);
+      history_.set_horizon(next.end);
       // The filter levels itself while standing; a map begun earlier would be tilted.
       const bool level = !with_odometry_ || started_ || history_.covers(next.start, next.end);
       if (level) take_(next, history_);

@@ -18,7 +18,7 @@ std::optional<evaluate::truth::StampedPose> MapperMethod::process(const mapper::
   // A sender of tiles empties the list of changed tiles. It is not emptied at each revolution here, because that waits
   // for the dense map, which the pose does not depend on.
   if (update->revolution % kEmptyListEach == 0) {
-    mapper_.wait_grown();
+    mapper_.wait_inserted();
     (void)mapper_.take_changed();
   }
   return evaluate::truth::StampedPose{update->utime, update->T_map_base};

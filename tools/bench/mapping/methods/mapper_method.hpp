@@ -11,7 +11,8 @@ namespace curbstone::bench::mapping::methods {
 /// Our mapper with one of its registration methods.
 class MapperMethod final : public MappingMethod {
  public:
-  explicit MapperMethod(const mapper::config::MapperConfig& config) : mapper_(config, mapper::file_for_far(config)) {}
+  explicit MapperMethod(const mapper::config::MapperConfig& config)
+      : mapper_(config, mapper::make_spill_file(config)) {}
 
   [[nodiscard]] std::optional<evaluate::truth::StampedPose> process(
       const mapper::scan::Scan& scan, const mapper::scan::OdometryHistory& odometry) override;

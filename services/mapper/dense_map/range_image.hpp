@@ -10,29 +10,29 @@
 namespace curbstone::mapper::dense_map {
 
 /// What a scan shows about a place.
-enum class Sighting {
-  kNothing,  ///< no beam went there, or something nearer occludes it
-  kThere,    ///< a beam ended near it
-  kThrough,  ///< beams passed through it and ended well beyond
+enum class Occupancy {
+  kUnknown,   ///< no beam went there, or something nearer occludes it
+  kOccupied,  ///< a beam ended near it
+  kFree,      ///< beams passed through it and ended well beyond
 };
 
 /// Range image of one scan: range by ring and azimuth. It accounts for the motion of the lidar during the scan, so that
 /// near objects are seen from where the beam was fired. Pure.
-class SweepImage {
+class RangeImage {
  public:
   /// `points`: in base_link at the scan's end; `motion`: of base_link during the scan.
-  SweepImage(const std::vector<scan::LidarPoint>& points, const Pose& T_base_lidar, const scan::Twist& motion);
+  RangeImage(const std::vector<scan::LidarPoint>& points, const Pose& T_base_lidar, const scan::Twist& motion);
 
-  /// Tolerances in range, m: a beam that ends within `there` met the place, one that ends beyond `through` passed it.
+  /// Tolerances in range, m: a beam that ends within `hit` met the place, one that ends beyond `pass` passed it.
   struct Margins {
-    float there;
-    float through;
+    float hit;
+    float pass;
   };
   /// Classifies a place, given in the lidar's axes at the scan's end. A beam counts as passing through a place lower
   /// than the lidar only if it passed below it (above, for a place higher than the lidar): on the other side it may
   /// have missed the edge or the top of an object. Neighbouring beams must not have ended sooner: that happens where a
   /// beam grazes a wall.
-  [[nodiscard]] Sighting look(const Eigen::Vector3f& place, const Margins& margins) const;
+  [[nodiscard]] Occupancy classify(const Eigen::Vector3f& place, const Margins& margins) const;
 
  private:
   static constexpr int kAzimuths = 600;

@@ -1,4 +1,4 @@
-#include "tools/simulate/world/furnish.hpp"
+#include "tools/simulate/world/place_objects.hpp"
 
 #include <cmath>
 
@@ -11,9 +11,10 @@ namespace {
 constexpr double kDrivewayHalf = 1.7;
 
 /// Places objects beside a street, and rejects those that would collide with others.
-class Furnisher {
+class ObjectPlacer {
  public:
-  Furnisher(const std::vector<Street>& streets, const Quarters& quarters, const Ground& ground, numerics::Random random)
+  ObjectPlacer(const std::vector<Street>& streets, const Quarters& quarters, const Ground& ground,
+               numerics::Random random)
       : streets_(streets), quarters_(quarters), ground_(ground), random_(random) {}
 
   void house(const Plot& plot) {
@@ -155,8 +156,8 @@ class Furnisher {
 
 }  // namespace
 
-Furnishing plan_furnishing(const std::vector<Street>& streets, const Quarters& quarters, numerics::Random random) {
-  Furnishing plan;
+ObjectPlan plan_objects(const std::vector<Street>& streets, const Quarters& quarters, numerics::Random random) {
+  ObjectPlan plan;
   for (std::size_t i = 0; i < streets.size(); ++i) {
     const double begin = streets[i].closed() ? 0.0 : 11.0;
     for (const Side side : {Side::kLeft, Side::kRight}) {
@@ -174,48 +175,47 @@ Furnishing plan_furnishing(const std::vector<Street>& streets, const Quarters& q
   return plan;
 }
 
-std::vector<Shape> furnish(const Furnishing& furnishing, const std::vector<Street>& streets, const Quarters& quarters,
-                           const Ground& ground, numerics::Random random,
-                           const std::optional<numerics::Random>& passing) {
-  Furnisher furnisher(streets, quarters, ground, random);
-  furnisher.set_driveways(furnishing.driveways);
+std::vector<Shape> place_objects(const ObjectPlan& plan, const std::vector<Street>& streets, const Quarters& quarters,
+                                 const Ground& ground, numerics::Random random,
+                                 const std::optional<numerics::Random>& passing) {
+  ObjectPlacer placer(streets, quarters, ground, random);
+  placer.set_driveways(plan.driveways);
   const auto park = [&](std::size_t i, Side side) {
-    numerics::Random& dice = furnisher.random();
+    numerics::Random& dice = placer.random();
     for (double s = dice.uniform(4.0, 12.0); s < streets[i].length() - 4.0; s += 6.5) {
-      if (dice.chance((side == Side::kLeft ? 0.30 : 0.22) * quarters.at(i, s).parking))
-        furnisher.parked_car(i, side, s);
+      if (dice.chance((side == Side::kLeft ? 0.30 : 0.22) * quarters.at(i, s).parking)) placer.parked_car(i, side, s);
     }
   };
   const auto put_bins = [&](std::size_t i, Side side) {
-    numerics::Random& dice = furnisher.random();
+    numerics::Random& dice = placer.random();
     const auto put = [&](double s, double off) {
-      if (quarters.at(i, s).lamps_and_bins) furnisher.bin(i, side, s, off);
+      if (quarters.at(i, s).lamps_and_bins) placer.bin(i, side, s, off);
     };
     for (double s = dice.uniform(5.0, 25.0); s < streets[i].length(); s += dice.uniform(15.0, 35.0))
       put(s, dice.uniform(0.9, 1.7));
     for (double s = dice.uniform(10.0, 60.0); s < streets[i].length(); s += dice.uniform(50.0, 90.0))
       put(s, -dice.uniform(0.45, 0.7));
   };
-  numerics::Random& dice = furnisher.random();
-  for (const auto& plot : furnishing.plots) furnisher.house(plot);
-  for (const auto& plot : furnishing.plots) {
-    furnisher.front(plot);
+  numerics::Random& dice = placer.random();
+  for (const auto& plot : plan.plots) placer.house(plot);
+  for (const auto& plot : plan.plots) {
+    placer.front(plot);
     if (dice.chance(quarters.at(plot.street, plot.from).garden_trees))
-      furnisher.tree(plot.street, plot.side, dice.uniform(plot.from, plot.to), dice.uniform(3.6, 4.6));
+      placer.tree(plot.street, plot.side, dice.uniform(plot.from, plot.to), dice.uniform(3.6, 4.6));
   }
   for (std::size_t i = 0; i < streets.size(); ++i) {
     for (const Side side : {Side::kLeft, Side::kRight}) {
       park(i, side);
       for (double s = dice.uniform(2.0, 14.0); s < streets[i].length(); s += quarters.at(i, s).between_trees.draw(dice))
-        furnisher.tree(i, side, s, dice.uniform(0.75, 0.95));
+        placer.tree(i, side, s, dice.uniform(0.75, 0.95));
       for (double s = dice.uniform(0.0, 20.0); s < streets[i].length(); s += 28.0) {
-        if (quarters.at(i, s).lamps_and_bins) furnisher.lamp(i, side, s);
+        if (quarters.at(i, s).lamps_and_bins) placer.lamp(i, side, s);
       }
       put_bins(i, side);
     }
   }
   if (passing) {  // the permanent objects are drawn as on the first day; now the others are drawn again
-    furnisher.clear_passing();
+    placer.clear_passing();
     dice = *passing;
     for (std::size_t i = 0; i < streets.size(); ++i) {
       for (const Side side : {Side::kLeft, Side::kRight}) {
@@ -224,7 +224,7 @@ std::vector<Shape> furnish(const Furnishing& furnishing, const std::vector<Stree
       }
     }
   }
-  return furnisher.take();
+  return placer.take();
 }
 
 }  // namespace curbstone::simulate::world

@@ -1,4 +1,4 @@
-#include "services/mapper/dense_map/sweep_image.hpp"
+#include "services/mapper/dense_map/range_image.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -20,11 +20,11 @@ float quadrant_angle(float x, float y) {
 
 }  // namespace
 
-int SweepImage::azimuth_of(float x, float y) {
+int RangeImage::azimuth_of(float x, float y) {
   return std::min(static_cast<int>(quadrant_angle(x, y) * (kAzimuths / 4)), kAzimuths - 1);
 }
 
-SweepImage::SweepImage(const std::vector<scan::LidarPoint>& points, const Pose& T_base_lidar, const scan::Twist& motion)
+RangeImage::RangeImage(const std::vector<scan::LidarPoint>& points, const Pose& T_base_lidar, const scan::Twist& motion)
     : ages_(kAzimuths, 0) {
   const Eigen::Vector3d lever = T_base_lidar.translation();
   const Eigen::Matrix3f to_lidar = T_base_lidar.linear().transpose().cast<float>();
@@ -58,17 +58,17 @@ SweepImage::SweepImage(const std::vector<scan::LidarPoint>& points, const Pose& 
   std::sort(rows_.begin(), rows_.end(), [](const Row& a, const Row& b) { return a.slope < b.slope; });
 }
 
-Sighting SweepImage::look(const Eigen::Vector3f& place, const Margins& margins) const {
-  if (rows_.empty()) return Sighting::kNothing;
+Occupancy RangeImage::classify(const Eigen::Vector3f& place, const Margins& margins) const {
+  if (rows_.empty()) return Occupancy::kUnknown;
   const auto age = static_cast<std::size_t>(azimuth_of(place.x(), place.y()));
   const Eigen::Vector3f d = place + ages_[age] * velocity_;
   const float range = std::sqrt(d.x() * d.x() + d.y() * d.y());
-  if (!(range > kNearest)) return Sighting::kNothing;
+  if (!(range > kNearest)) return Occupancy::kUnknown;
   const float slope = d.z() / range;
   const float inside = slope < 0 ? 1.0F : -1.0F;
   const int azimuth = azimuth_of(d.x(), d.y());
   const auto next = std::partition_point(rows_.begin(), rows_.end(), [&](const Row& row) { return row.slope < slope; });
-  Sighting sighting = Sighting::kNothing;
+  Occupancy occupancy = Occupancy::kUnknown;
   for (auto row = next == rows_.begin() ? next : next - 1; row != rows_.end() && row <= next; ++row) {
     const Beam* const beams = beams_.data() + row->ring * kAzimuths;
     const Beam& own = beams[azimuth];
@@ -77,12 +77,12 @@ Sighting SweepImage::look(const Eigen::Vector3f& place, const Margins& margins) 
     bool through = off * inside > -kOutside;
     for (const int beside : {azimuth + kAzimuths - 1, azimuth, azimuth + 1}) {
       const float reach = beams[beside % kAzimuths].range;
-      if (std::abs(reach - range) < margins.there) return Sighting::kThere;
-      through = through && (reach == 0 || reach > range + margins.through);
+      if (std::abs(reach - range) < margins.hit) return Occupancy::kOccupied;
+      through = through && (reach == 0 || reach > range + margins.pass);
     }
-    if (through) sighting = Sighting::kThrough;
+    if (through) occupancy = Occupancy::kFree;
   }
-  return sighting;
+  return occupancy;
 }
 
 }  // namespace curbstone::mapper::dense_map

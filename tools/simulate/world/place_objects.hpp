@@ -31,19 +31,19 @@ struct Driveway {
 };
 
 /// What is decided before the ground exists: plots, and the driveways for which curbs are lowered.
-struct Furnishing {
+struct ObjectPlan {
   std::vector<Plot> plots;
   std::vector<Driveway> driveways;
 };
 
-[[nodiscard]] Furnishing plan_furnishing(const std::vector<Street>& streets, const Quarters& quarters,
-                                         numerics::Random random);
+[[nodiscard]] ObjectPlan plan_objects(const std::vector<Street>& streets, const Quarters& quarters,
+                                      numerics::Random random);
 
 /// Makes houses, fences, hedges, trees, lamps, parked cars, bins and boxes; none stands in another street or in a
 /// house. With `passing`, cars and bins are drawn from it, and everything else is unchanged: the same town on another
 /// day.
-[[nodiscard]] std::vector<Shape> furnish(const Furnishing& furnishing, const std::vector<Street>& streets,
-                                         const Quarters& quarters, const Ground& ground, numerics::Random random,
-                                         const std::optional<numerics::Random>& passing = {});
+[[nodiscard]] std::vector<Shape> place_objects(const ObjectPlan& plan, const std::vector<Street>& streets,
+                                               const Quarters& quarters, const Ground& ground, numerics::Random random,
+                                               const std::optional<numerics::Random>& passing = {});
 
 }  // namespace curbstone::simulate::world
