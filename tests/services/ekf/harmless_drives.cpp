@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "tests/services/ekf/late_stamps.hpp"
 #include "tests/services/ekf/town_drive.hpp"
@@ -14,13 +15,20 @@ constexpr double kSeconds = 80.0;
 constexpr double kIce = 45.0;        // s, when it comes upon it
 constexpr double kIceSeconds = 6.0;  // that it lasts
 
-Drive town(const std::function<void(TownDriveOptions&)>& change = {}, unsigned number = 1) {
+Drive town(const std::function<void(TownDriveOptions&)>& change, unsigned number = 1) {
   TownDriveOptions options;
   options.seconds = kSeconds;
   options.town = number;
   options.seed = 3000 + number;
   if (change) change(options);
   return simulate_town_drive(options, VehicleConfig());
+}
+
+/// As it is, which many drives begin with: simulated once.
+const Drive& plain_town(unsigned number = 1) {
+  static std::map<unsigned, Drive> drives;
+  const auto known = drives.find(number);
+  return known != drives.end() ? known->second : drives.emplace(number, town({}, number)).first->second;
 }
 
 /// Adds to each wheel what it turns beyond its way: rad/s by the time and the true speed (m/s).
@@ -42,7 +50,7 @@ Drive turning_beyond(Drive drive, const std::function<std::array<double, 2>(doub
 /// On ice both wheels turn (1 + share) times as fast as their way: they spin, or slide.
 Drive on_ice(std::array<double, 2> share) {
   const double radius = VehicleConfig().wheel_radius;
-  return turning_beyond(town(), [=](double t, double speed) -> std::array<double, 2> {
+  return turning_beyond(plain_town(), [=](double t, double speed) -> std::array<double, 2> {
     if (t < kIce || t > kIce + kIceSeconds) return {};
     const double grip = std::clamp(std::min(t - kIce, kIce + kIceSeconds - t) / 0.3, 0.0, 1.0);
     return {grip * share[0] * speed / radius, grip * share[1] * speed / radius};
@@ -121,23 +129,23 @@ const std::vector<HarmlessDrive>& harmless_drives() {
     for (const unsigned number : {1U, 2U}) {
       const std::string where = " in town " + std::to_string(number);
       add("wheels stamped up to 20 ms late" + where, [=] {
-        Drive drive = town({}, number);
+        Drive drive = plain_town(number);
         make_late(drive.wheels, 0.02, number);
         return drive;
       });
       add("IMU stamped up to 20 ms late" + where, [=] {
-        Drive drive = town({}, number);
+        Drive drive = plain_town(number);
         make_late(drive.imu, 0.02, number);
         return drive;
       });
       add("both stamped up to 20 ms late" + where, [=] {
-        Drive drive = town({}, number);
+        Drive drive = plain_town(number);
         make_late(drive.imu, 0.02, number);
         make_late(drive.wheels, 0.02, number + 10);
         return drive;
       });
       add("both stamped up to 60 ms late" + where, [=] {
-        Drive drive = town({}, number);
+        Drive drive = plain_town(number);
         make_late(drive.imu, 0.06, number);
         make_late(drive.wheels, 0.06, number + 10);
         return drive;

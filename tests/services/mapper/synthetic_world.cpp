@@ -28,7 +28,7 @@ double SyntheticWorld::range(const Eigen::Vector3d& origin, const Eigen::Vector3
   for (const Box& box : boxes) {
     double enter = 0;
     double leave = kInfinity;
-    for (int axis = 0; axis < 3; ++axis) {
+    for (int axis = 0; axis < 3 && enter < std::min(leave, best); ++axis) {  // until it is missed, or behind another
       const double a = (box.low[axis] - origin[axis]) / direction[axis];
       const double b = (box.high[axis] - origin[axis]) / direction[axis];
       enter = std::max(enter, std::min(a, b));

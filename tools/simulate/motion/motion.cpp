@@ -15,16 +15,21 @@ Inertia inertia_at(const Motion& motion, const Pose& T_base_imu, double t) {
 }
 
 double rolled_distance(const Motion& motion, const Eigen::Vector3d& point_base, double t0, double t1) {
+  return rolled_distances(motion, {point_base, point_base}, t0, t1)[0];
+}
+
+std::array<double, 2> rolled_distances(const Motion& motion, const std::array<Eigen::Vector3d, 2>& points_base,
+                                       double t0, double t1) {
   constexpr int kSteps = 4;
-  double way = 0;
+  std::array<double, 2> ways{};
   Pose last = motion.T_world_base(t0);
   for (int i = 1; i <= kSteps; ++i) {
     const Pose next = motion.T_world_base(t0 + (t1 - t0) * i / kSteps);
     const Eigen::Vector3d heading = (last.linear().col(0) + next.linear().col(0)).normalized();
-    way += heading.dot(next * point_base - last * point_base);
+    for (std::size_t k = 0; k < ways.size(); ++k) ways[k] += heading.dot(next * points_base[k] - last * points_base[k]);
     last = next;
   }
-  return way;
+  return ways;
 }
 
 }  // namespace curbstone::simulate::motion

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 
 #include "common/geometry/geometry.hpp"
@@ -26,5 +27,9 @@ struct Inertia {
 /// Signed distance that a point of the vehicle moves along the vehicle's heading from t0 to t1, m; a wheel at that
 /// point rolls that distance.
 [[nodiscard]] double rolled_distance(const Motion& motion, const Eigen::Vector3d& point_base, double t0, double t1);
+/// That of two points, such as both wheels, for the price of one.
+[[nodiscard]] std::array<double, 2> rolled_distances(const Motion& motion,
+                                                     const std::array<Eigen::Vector3d, 2>& points_base, double t0,
+                                                     double t1);
 
 }  // namespace curbstone::simulate::motion

@@ -11,13 +11,13 @@ constexpr double kNodPerAcceleration = 0.006;   // rad per m/s^2: the nose rises
 constexpr double kNodTime = 0.1;                // s, over which the springs respond
 constexpr double kLeanPerAcceleration = 0.005;  // rad per m/s^2: it leans out of bends
 
-double speed_of(const numerics::Spline<Eigen::Matrix<double, 5, 1>>& path, double u) {
-  return path.derivative(u).head<2>().norm();
+double speed_of(const numerics::Spline<Eigen::Vector2d>& path, double u) {
+  return path.derivative(u).norm();
 }
 
-/// Path length over one step of the table or a part of it, by Simpson's rule.
-double way_between(const numerics::Spline<Eigen::Matrix<double, 5, 1>>& path, double a, double b) {
-  return (b - a) / 6.0 * (speed_of(path, a) + 4.0 * speed_of(path, 0.5 * (a + b)) + speed_of(path, b));
+/// Path length from a to b, one step of the table or a part of it, by Simpson's rule from the speeds at both.
+double way_between(const numerics::Spline<Eigen::Vector2d>& path, double a, double b, double speed_a, double speed_b) {
+  return (b - a) / 6.0 * (speed_a + 4.0 * speed_of(path, 0.5 * (a + b)) + speed_b);
 }
 
 }  // namespace
@@ -30,6 +30,7 @@ TownMotion::TownMotion(const world::Town& town, const VehicleConfig& vehicle, co
     return static_cast<double>(ground.height_at(static_cast<float>(p.x()), static_cast<float>(p.y())));
   };
   std::vector<State> states;
+  std::vector<Eigen::Vector2d> places;
   for (int i = 0; i < route.size(); ++i) {
     const Eigen::Vector2d p = route.at(i), before = route.at(i - 1), after = route.at(i + 1);
     const Eigen::Vector2d along = (after - before).normalized(), left(-along.y(), along.x());
@@ -42,11 +43,15 @@ TownMotion::TownMotion(const world::Town& town, const VehicleConfig& vehicle, co
     state << p, 0.5 * (zl + zr), std::atan2(zl - zr, 2.0 * half_track) + kLeanPerAcceleration * sideways,
         -std::atan2(zf - zb, 2.0 * half_base);
     states.push_back(state);
+    places.push_back(p);
   }
   path_ = numerics::Spline<State>(states, route.closed());
+  line_ = numerics::Spline<Eigen::Vector2d>(places, route.closed());
   way_ = {0.0};
-  for (double u = 0; u + 0.5 * kWayStep < path_.length(); u += kWayStep)
-    way_.push_back(way_.back() + way_between(path_, u, u + kWayStep));
+  for (double u = 0; u + 0.5 * kWayStep < path_.length(); u += kWayStep) {
+    const double to = u + kWayStep;
+    way_.push_back(way_.back() + way_between(line_, u, to, speed_of(line_, u), speed_of(line_, to)));
+  }
 }
 
 double TownMotion::parameter_at(double s) const {
@@ -57,7 +62,11 @@ double TownMotion::parameter_at(double s) const {
   const auto i = std::min(static_cast<std::size_t>(after - way_.begin()), way_.size() - 1) - 1;
   const double from = static_cast<double>(i) * kWayStep;
   double u = from + kWayStep * (rest - way_[i]) / (way_[i + 1] - way_[i]);
-  for (int k = 0; k < 3; ++k) u -= (way_[i] + way_between(path_, from, u) - rest) / speed_of(path_, u);
+  const double speed_from = speed_of(line_, from);
+  for (int k = 0; k < 3; ++k) {
+    const double speed_u = speed_of(line_, u);
+    u -= (way_[i] + way_between(line_, from, u, speed_from, speed_u) - rest) / speed_u;
+  }
   return rounds * path_.length() + u;
 }
 

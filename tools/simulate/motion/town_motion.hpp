@@ -29,6 +29,7 @@ class TownMotion final : public Motion {
   [[nodiscard]] double parameter_at(double s) const;
 
   numerics::Spline<State> path_;
+  numerics::Spline<Eigen::Vector2d> line_;  // its x and y
   SpeedProfile profile_;
   std::vector<double> way_;  // m from the start to places kWayStep apart in the spline's parameter
 };

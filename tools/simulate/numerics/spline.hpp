@@ -47,10 +47,10 @@ class Spline {
   [[nodiscard]] Value point(long i) const {
     const auto n = static_cast<long>(points_.size());
     const auto stored = [this](long k) -> const Value& { return points_[static_cast<std::size_t>(k)]; };
+    if (i >= 0 && i < n) return stored(i);  // without a division
     if (closed_) return stored(((i % n) + n) % n);
     if (i < 0) return stored(0) + (stored(0) - stored(1)) * static_cast<double>(-i);
-    if (i >= n) return stored(n - 1) + (stored(n - 1) - stored(n - 2)) * static_cast<double>(i - n + 1);
-    return stored(i);
+    return stored(n - 1) + (stored(n - 1) - stored(n - 2)) * static_cast<double>(i - n + 1);
   }
 
   std::vector<Value> points_;

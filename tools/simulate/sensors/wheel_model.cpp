@@ -37,11 +37,11 @@ void WheelModel::roll_to(double t) {
   constexpr double kStep = 0.01;  // s
   while (t_ < t) {
     const double next = std::min(t, t_ + kStep);
+    const std::array<double, 2> rolled = motion::rolled_distances(
+        motion_, {Eigen::Vector3d(0, half_track_, 0), Eigen::Vector3d(0, -half_track_, 0)}, t_, next);
     for (int wheel = 0; wheel < 2; ++wheel) {
       const auto i = static_cast<std::size_t>(wheel);
-      const Eigen::Vector3d contact(0, wheel == 0 ? half_track_ : -half_track_, 0);
-      const double turned =
-          motion::rolled_distance(motion_, contact, t_, next) / radius_[i] * (1.0 + slip_at(t_, wheel));
+      const double turned = rolled[i] / radius_[i] * (1.0 + slip_at(t_, wheel));
       angle_[i] += turned;
       speed_[i] = turned / (next - t_);
     }

@@ -84,15 +84,17 @@ TEST(GyroLeap, IsNoneWhereWheelsAreWrongOrAllIsWell) {
       EXPECT_EQ(leap_outcome(round_a_block(number, speed)).leaps, 0) << number << ' ' << speed;
   }
   for (const unsigned number : {1U, 2U, 3U}) {
+    const Drive block = round_a_block(number);
     for (const double scale : {0.5, 1.5, 2.0}) {
-      Drive drive = round_a_block(number);
+      Drive drive = block;
       for (base::ImuSample& sample : drive.imu) sample.angular_rate.z() *= scale;
       EXPECT_EQ(leap_outcome(drive).leaps, 0) << number << ' ' << scale;
     }
   }
+  const Drive block = round_a_block(1);
   for (const WheelFault& fault : tried_wheel_faults()) {
     for (const double onset : {1.0, 20.0, 45.0})
-      EXPECT_EQ(leap_outcome(with_fault(round_a_block(1), fault, onset)).leaps, 0) << fault.name << ' ' << onset;
+      EXPECT_EQ(leap_outcome(with_fault(block, fault, onset)).leaps, 0) << fault.name << ' ' << onset;
   }
   for (const HarmlessDrive& harmless : harmless_drives())
     EXPECT_EQ(leap_outcome(harmless.make()).leaps, 0) << harmless.name;

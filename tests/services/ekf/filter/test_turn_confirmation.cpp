@@ -95,9 +95,10 @@ TEST(TurnConfirmation, IsNotSaidInTheBendsOfAGyroWhoseScaleIsWrong) {
 }
 
 TEST(TurnConfirmation, IsNeverSaidWhereWheelsLeadOdometryAstray) {
+  const Drive block = round_the_block(1);
   for (const WheelFault& fault : tried_wheel_faults()) {
     for (const double onset : {1.0, 20.0})
-      EXPECT_LT(said(with_fault(round_the_block(1), fault, onset)).worst, 0.5) << fault.name << ' ' << onset;
+      EXPECT_LT(said(with_fault(block, fault, onset)).worst, 0.5) << fault.name << ' ' << onset;
   }
   for (const HarmlessDrive& harmless : harmless_drives()) EXPECT_LT(said(harmless.make()).worst, 0.5) << harmless.name;
 }

@@ -133,9 +133,10 @@ TEST(WheelFaults, ALeapOfTheCountsIsNoTravel) {
 TEST(WheelFaults, WithoutTheImuTheWheelThatIsTrustedCarriesItOn) {
   const base::EkfConfig config;
   for (const unsigned number : {1U, 2U}) {
+    const Drive good = town(number);
     for (const WheelFault& fault : tried_wheel_faults()) {
       if (!fault.of_one_wheel() && !fault.of_both_wheels()) continue;
-      Drive drive = with_fault(town(number), fault, 20.0);
+      Drive drive = with_fault(good, fault, 20.0);
       const std::int64_t begin = drive.imu.front().utime;
       std::erase_if(drive.imu, [&](const base::ImuSample& sample) {
         const double t = base::seconds_between(begin, sample.utime);

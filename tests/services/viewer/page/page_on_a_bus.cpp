@@ -16,7 +16,7 @@ constexpr int kTolerance = 4;                 // of 255: what rounding in shader
 
 void PageOnABus::SetUp() {
   if (!curbstone::browser::Browser::is_installed())
-    GTEST_SKIP() << "no chromium-headless-shell: scripts/install-deps --tests";
+    GTEST_SKIP() << "no chromium-headless-shell: scripts/install-deps --long";
   epoch_ = wall_clock() / 1'000'000 - 100;
   start_viewer();
   browser.emplace([this] { go_on(); });

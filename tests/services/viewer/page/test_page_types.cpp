@@ -11,7 +11,7 @@ namespace curbstone::viewer {
 namespace {
 
 TEST(PageTypes, AgreeAsTheTypeScriptCompilerSees) {
-  if (access("/usr/bin/tsc", X_OK) != 0) GTEST_SKIP() << "no tsc: scripts/install-deps --tests";
+  if (access("/usr/bin/tsc", X_OK) != 0) GTEST_SKIP() << "no tsc: scripts/install-deps --long";
   const std::string command = "cd " + test::source_path("services/viewer/page") +
                               " && tsc --noEmit --strict --noUnusedLocals --noUnusedParameters "
                               "--target es2020 --lib es2021,dom,dom.iterable --moduleResolution node main.ts 2>&1";
