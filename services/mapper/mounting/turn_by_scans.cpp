@@ -1,6 +1,5 @@
 #include "services/mapper/mounting/turn_by_scans.hpp"
 
-#include <cmath>
 #include <utility>
 
 namespace curbstone::mapper::mounting {
