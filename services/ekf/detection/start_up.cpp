@@ -73,8 +73,7 @@ std::optional<model::Belief> StartUp::add(const base::WheelSample& sample) {
   standing_window_.add(sample);
   moving_window_.add(sample);
   if (!without_imu_ || sample.utime < *without_imu_) without_imu_ = sample.utime;
-  const double silent = base::seconds_between(*without_imu_, sample.utime);
-  if (silent < config_.start.patience || !moving_window_.wheels_turn()) return std::nullopt;
+  if (seconds_without_imu(sample.utime) < config_.start.patience || !moving_window_.wheels_turn()) return std::nullopt;
   kind_ = Kind::kWithoutImu;
   return moving(sample.utime, on_level_ground());
 }

@@ -34,6 +34,10 @@ class StartUp {
   void set_noise(const base::NoiseConfig& noise, double gyro, double accelerometer);
   /// Returns a belief at the sample's time once enough is known.
   [[nodiscard]] std::optional<model::Belief> add(const base::ImuSample& sample);
+  /// s, for how long wheels have been heard without an IMU; 0 if it is heard.
+  [[nodiscard]] double seconds_without_imu(std::int64_t utime) const {
+    return without_imu_ ? base::seconds_between(*without_imu_, utime) : 0.0;
+  }
   /// How the filter was started; valid once it was.
   [[nodiscard]] Kind kind() const { return kind_; }
   void reset();

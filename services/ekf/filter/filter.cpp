@@ -131,16 +131,33 @@ bool Filter::continue_from_predecessor(const base::ImuSample& sample) {
     counters_.add("starts.not_inherited");
     return false;
   }
+  continue_from(*predecessor, sample.utime);
+  return true;
+}
+
+/// The predecessor had no IMU either, or it has fallen silent meanwhile.
+bool Filter::continue_from_predecessor(const base::WheelSample& sample) {
+  if (!predecessor_ || start_up_.seconds_without_imu(sample.utime) < kImuAwaited) return false;
+  const model::Belief predecessor = *std::exchange(predecessor_, std::nullopt);
+  const double gap = base::seconds_between(predecessor.utime, sample.utime);
+  if (gap <= 0.0 || gap > kInheritance) {
+    counters_.add("starts.not_inherited");
+    return false;
+  }
+  continue_from(predecessor, sample.utime);
+  return true;
+}
+
+void Filter::continue_from(const model::Belief& predecessor, std::int64_t utime) {
   counters_.add("starts.inherited");
-  belief_ = *predecessor;
-  extrapolate_over_restart(belief_, gap);
-  belief_.utime = sample.utime;
+  belief_ = predecessor;
+  extrapolate_over_restart(belief_, base::seconds_between(predecessor.utime, utime));
+  belief_.utime = utime;
   last_good_ = belief_;
   started_ = true;
-  level_.begin(false, sample.utime);
+  level_.begin(false, utime);
   update_level();
   start_up_.reset();
-  return true;
 }
 
 void Filter::start(const base::ImuSample& sample) {
@@ -156,9 +173,8 @@ void Filter::start(const base::ImuSample& sample) {
 void Filter::start(const base::WheelSample& sample) {
   odometer_.add(sample);
   const std::optional<model::Belief> first = start_up_.add(sample);
-  if (!first) return;
-  predecessor_.reset();
-  begin(*first);
+  if (continue_from_predecessor(sample)) return;
+  if (first) begin(*first);
 }
 
 void Filter::begin(const model::Belief& first) {

@@ -53,10 +53,11 @@ class Filter {
   explicit Filter(const base::EkfConfig& config);
 
   /// Sets the last belief of a killed filter. Call it before any sample. The filter continues from it if the first IMU
-  /// sample comes within kInheritance of it and its specific force fits; otherwise the filter starts as if there were
-  /// none.
+  /// sample comes within kInheritance of it and its specific force fits, or, if no IMU is heard for kImuAwaited, a
+  /// wheel sample does; otherwise the filter starts as if there were none.
   void inherit(const model::Belief& belief) { predecessor_ = belief; }
   static constexpr double kInheritance = 2.0;  ///< s
+  static constexpr double kImuAwaited = 0.3;   ///< s
 
   /// Appends to `out` one estimate at the sample's stamp, once the filter has started.
   void add(const base::ImuSample& measured, std::vector<model::Estimate>& out);
@@ -92,6 +93,8 @@ class Filter {
   void start(const base::WheelSample& sample);
   void begin(const model::Belief& first);
   [[nodiscard]] bool continue_from_predecessor(const base::ImuSample& sample);
+  [[nodiscard]] bool continue_from_predecessor(const base::WheelSample& sample);
+  void continue_from(const model::Belief& predecessor, std::int64_t utime);
   void restart_clock(std::int64_t utime);
   void update_stuck_axes();
   [[nodiscard]] model::TimedInertial in_body(const base::ImuSample& sample) const;

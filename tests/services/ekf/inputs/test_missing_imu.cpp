@@ -51,6 +51,31 @@ TEST_F(MissingImu, TheWheelsStartOdometryOnceTheyHaveTurnedAndItHasBeenWaitedFor
   EXPECT_LT(error(rig, 0.0), 8.0);  // without a gyro the wheels' slips turn it
 }
 
+TEST_F(MissingImu, AKilledFilterIsSucceededOnTheWheels) {
+  for (const double dead : {0.2, 1.0}) {  // s
+    Rig rig(config_);
+    drive(rig, 1000.0);
+    filter::Filter killed(config_), next(config_);
+    std::vector<model::Estimate> before, after;
+    for (const base::WheelSample& sample : town_.wheels) {
+      if (seconds(sample.utime) < 30.0) killed.add(sample, before);
+    }
+    next.inherit(killed.belief());
+    for (const base::WheelSample& sample : town_.wheels) {
+      if (seconds(sample.utime) >= 30.0 + dead && seconds(sample.utime) < 33.0) next.add(sample, after);
+    }
+    ASSERT_FALSE(after.empty());
+    EXPECT_EQ(next.counters()["starts.inherited"], 1);
+    EXPECT_LT(seconds(after.front().utime), 30.0 + dead + filter::Filter::kImuAwaited + 0.1);
+    EXPECT_TRUE(after.front().level);
+    const auto in_time = std::find_if(rig.odometry.begin(), rig.odometry.end(),
+                                      [&](const odometry_t& m) { return m.utime >= after.back().utime; });
+    ASSERT_NE(in_time, rig.odometry.end());
+    const Pose undisturbed = pose_from_arrays(in_time->position, in_time->orientation);
+    EXPECT_LT((undisturbed.inverse() * after.back().T_odom_base).translation().head<2>().norm(), 0.5) << dead;
+  }
+}
+
 TEST_F(MissingImu, AStandstillIsWaitedOutBecauseTheImuStartsBetterThere) {
   Rig rig(config_);
   DriveOptions options = short_drive();
