@@ -50,9 +50,17 @@ AzimuthProfile::AzimuthProfile(const std::vector<scan::LidarPoint>& points, cons
   }
 }
 
+bool AzimuthProfile::is_comparable(const AzimuthProfile& other) const {
+  return size() >= kMinRanges && other.size() >= kMinRanges;
+}
+
+std::optional<double> AzimuthProfile::residual_to(const AzimuthProfile& earlier) const {
+  return is_comparable(earlier) ? std::optional(residual(earlier, 0)) : std::nullopt;
+}
+
 /// Searches with some of the ranges, and refines with all.
 std::optional<AzimuthProfile::Turn> AzimuthProfile::turn_since(const AzimuthProfile& earlier, double usual) const {
-  if (size() < kMinRanges || earlier.size() < kMinRanges) return std::nullopt;
+  if (!is_comparable(earlier)) return std::nullopt;
   const double at_zero = residual(earlier, 0);
   int best = 0;
   if (at_zero > kNearUsual * usual) {

@@ -33,8 +33,11 @@ class AzimuthProfile {
   /// The turn of this profile against an earlier one from the same place. Nothing if either has too few ranges. No turn
   /// of more than a bin is searched for if the residual is near `usual`, that of scans which lately showed no turn.
   [[nodiscard]] std::optional<Turn> turn_since(const AzimuthProfile& earlier, double usual = 0) const;
+  /// residual_at_zero alone.
+  [[nodiscard]] std::optional<double> residual_to(const AzimuthProfile& earlier) const;
 
  private:
+  [[nodiscard]] bool is_comparable(const AzimuthProfile& other) const;
   [[nodiscard]] double residual(const AzimuthProfile& earlier, int bins, std::size_t stride = 1) const;
 
   std::vector<float> ranges_;        // m, by laser and azimuth; 0: none

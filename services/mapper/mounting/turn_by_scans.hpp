@@ -10,9 +10,10 @@
 
 namespace curbstone::mapper::mounting {
 
-/// Measures the error of odometry's turn by the azimuth profiles of the scans, for odometry without a gyro. A wheel
-/// that slips turns such odometry by degrees within half a second, and wheels that were never compared with a gyro by
-/// half a degree a second. Where only trees stand, registration has no surface that would show it.
+/// Measures the error of odometry's turn by the azimuth profiles of the scans, for odometry without a gyro, or with one
+/// that the wheels contradict. A wheel that slips turns odometry without a gyro by degrees within half a second, and
+/// wheels that were never compared with a gyro by half a degree a second; a gyro whose bias leaps does likewise. Where
+/// only trees stand, registration has no surface that would show it.
 ///
 /// Each scan is compared with a reference scan, at most kMaxAge and kMaxDistance back, by odometry's motion between
 /// them. A comparison is good to about 0.05 deg, and the next reference carries its error on. Pure; one thread.
@@ -28,7 +29,7 @@ class TurnByScans {
   /// odometry's turn since the last scan, rad, positive where odometry turned too far to the left; 0 if unknown.
   [[nodiscard]] double error_since_last(std::int64_t utime, const std::vector<scan::LidarPoint>& points,
                                         const Pose& T_odom_base);
-  /// The next scan does not follow the last one, or a gyro measures the turn.
+  /// The next scan does not follow the last one, or wheels and gyro agree on the turn.
   void interrupt() { reference_.reset(); }
 
  private:

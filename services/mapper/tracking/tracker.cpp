@@ -31,6 +31,7 @@ Tracker::Tracker(const config::TrackerConfig& config, const config::Registration
       matcher_(registration, vehicle, config.max_speed),
       mount_(vehicle.T_base_lidar().translation()),
       turn_by_scans_(vehicle.T_base_lidar().translation()),
+      scale_by_scans_(vehicle.T_base_lidar().translation()),
       pairs_(registration, vehicle.T_base_lidar().translation()),
       lidar_yaw_(roll_pitch_yaw(vehicle.T_base_lidar().linear()).z()) {}
 
@@ -94,6 +95,7 @@ Tracker::Attempt Tracker::attempt(const scan::Scan& scan, const scan::OdometryHi
   const bool guided = prediction.with_odometry;
   if (first_ && !guided) return judged(matcher_.fit_second(from, *first_, scan));
   if (guided) correct_turn(prediction, scan, odometry);
+  if (guided) correct_scale(prediction);
   Attempt first = judged(matcher_.fit(from, scan, std::move(prediction), motion_));
   if (guided && !check_mount(first, scan, odometry)) return first;
   if (first.believed) return first;
@@ -213,6 +215,7 @@ void Tracker::relocate(const Pose& T_map_base) {
   last_->T_map_base = T_map_base;
   steady_ = 0;
   turns_.clear();
+  scale_by_scans_.interrupt();
   agreed_.reset();
   tracking_state_.relocate();
 }
@@ -223,6 +226,7 @@ void Tracker::rebuild(const std::vector<const scan::Keyframe*>& nodes, const Pos
   (void)matcher_.map().keep_around(T_map_base.translation());
   last_->T_map_base = T_map_base;
   turns_.clear();
+  scale_by_scans_.interrupt();
   T_map_keyframe_ = T_map_base;
   agreed_.reset();
 }

@@ -12,6 +12,7 @@
 #include "services/mapper/config/registration_config.hpp"
 #include "services/mapper/config/tracker_config.hpp"
 #include "services/mapper/mounting/mount_yaw.hpp"
+#include "services/mapper/mounting/scale_by_scans.hpp"
 #include "services/mapper/mounting/turn_by_scans.hpp"
 #include "services/mapper/registration/registration.hpp"
 #include "services/mapper/scan/deskew.hpp"
@@ -61,9 +62,10 @@ struct Tracked {
 ///
 /// Counters: revolutions, keyframes, refused.sparse, refused.time, refused.not_converged, refused.overlap,
 /// refused.inliers, refused.residual, refused.jump, refused.turn (contradicts wheels and gyro), refused.mount (the
-/// LiDAR turns in its mount), odometry.not_believed, odometry.turn_by_scans (corrected without a gyro),
-/// without_odometry, lost.blind (no sensor measured the motion for too long), bridged (likewise, but odometry and LiDAR
-/// agree on the pose now), lost.refused (no scan fitted for too long), found, began_anew (on odometry alone).
+/// LiDAR turns in its mount), odometry.not_believed, odometry.turn_by_scans (its turn is corrected, without a gyro or
+/// where the wheels contradict it), odometry.scale_by_scans (its way is corrected), without_odometry, lost.blind (no
+/// sensor measured the motion for too long), bridged (likewise, but odometry and LiDAR agree on the pose now),
+/// lost.refused (no scan fitted for too long), found, began_anew (on odometry alone).
 class Tracker {
  public:
   /// `keeps_map` false: the registration map is that of an earlier drive and takes no scans.
@@ -143,6 +145,7 @@ class Tracker {
   [[nodiscard]] Attempt attempt_without_odometry(const PreviousPose& from, const scan::Scan& scan);
   [[nodiscard]] Attempt attempt_multi_start(const PreviousPose& from, const scan::Scan& scan);
   [[nodiscard]] bool turns_steadily(std::int64_t from, std::int64_t to, const scan::OdometryHistory& odometry) const;
+  void correct_scale(MotionPrediction& prediction);
   void correct_turn(MotionPrediction& prediction, const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] bool check_mount(Attempt& found, const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] bool contradicts_odometry(const Attempt& found, const scan::Scan& scan,
@@ -175,6 +178,7 @@ class Tracker {
   TurnCheck turns_;
   mounting::MountYaw mount_;
   mounting::TurnByScans turn_by_scans_;
+  mounting::ScaleByScans scale_by_scans_;
   ScanToScanMotion pairs_;
   OdometryCheck odometry_check_;
   std::optional<Last> agreed_;               // when odometry and scans last agreed, in this map

@@ -47,8 +47,12 @@ std::optional<Tracked> Tracker::process_sparse(const scan::Scan& scan, const sca
 
 /// Compares odometry's way with that of two scans alone, about once a second.
 void Tracker::check_odometry(const Tracked& tracked, const scan::OdometryHistory& odometry) {
-  if (!odometry.covers(tracked.utime, tracked.utime)) return pairs_.interrupt();
+  if (!odometry.covers(tracked.utime, tracked.utime)) {
+    scale_by_scans_.interrupt();
+    return pairs_.interrupt();
+  }
   const Pose T_odom_base = odometry.at(tracked.utime);
+  scale_by_scans_.add(tracked.utime, *tracked.points, tracked.T_map_base, T_odom_base);
   const auto pair = pairs_.take(tracked.utime, *tracked.points, T_odom_base, odometry_check_.is_suspect(),
                                 odometry_check_.is_suspect() || odometry_check_.is_new());
   if (!pair) return;
@@ -92,10 +96,20 @@ bool Tracker::turns_steadily(std::int64_t from, std::int64_t to, const scan::Odo
   return angle_of(T_middle_odom * odometry.at(to) * (T_middle_odom * odometry.at(before))) < kSteady;
 }
 
-/// Corrects the turn that is predicted by odometry without a gyro: a wheel that slips turns it.
+/// Corrects the way that is predicted by odometry whose wheels have another size.
+void Tracker::correct_scale(MotionPrediction& prediction) {
+  const double scale = scale_by_scans_.scale();
+  if (scale == 1) return;
+  counters_.add("odometry.scale_by_scans");
+  prediction.T_last_base.translation() *= scale;
+}
+
+/// Corrects the turn that is predicted by odometry without a gyro, or with one that the wheels contradict: a wheel that
+/// slips turns it, or a gyro that is wrong.
 void Tracker::correct_turn(MotionPrediction& prediction, const scan::Scan& scan,
                            const scan::OdometryHistory& odometry) {
-  if (odometry.with_gyro(last_->end, scan.end)) return turn_by_scans_.interrupt();
+  if (odometry.with_gyro(last_->end, scan.end) && odometry.turn_confirmed(last_->end, scan.end))
+    return turn_by_scans_.interrupt();
   const std::vector<scan::LidarPoint> points = matcher_.in_base(scan, prediction.sweep);
   const double error = turn_by_scans_.error_since_last(scan.end, points, odometry.at(scan.end));
   if (error == 0) return;

@@ -5,28 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <random>
 
 #include "tests/services/mapper/mapper_drive.hpp"
+#include "tests/services/mapper/mounting/avenue.hpp"
 
 namespace curbstone::mapper::mounting {
 namespace {
 
 using test::kDegree;
 using test::kPeriod;
-
-/// Crowns of trees beside a way along x: nothing that a plane fits.
-test::SyntheticWorld avenue() {
-  test::SyntheticWorld world = test::plain();
-  std::mt19937 engine(4);
-  const auto draw = [&](double from, double to) { return std::uniform_real_distribution<double>(from, to)(engine); };
-  for (int i = 0; i < 120; ++i) {
-    const double side = i % 2 == 0 ? 1.0 : -1.0;
-    const double x = draw(-10, 25), y = side * draw(5, 9), z = draw(1.5, 5);
-    world.boxes.push_back({{x, y, z}, Eigen::Vector3d(x, y, z) + Eigen::Vector3d::Constant(draw(0.3, 0.8))});
-  }
-  return world;
-}
 
 /// A straight drive at 3 m/s, and odometry that turns by `false_yaw(t)`, rad, though the vehicle does not.
 class TurnByScansTest : public ::testing::Test {
@@ -45,7 +32,7 @@ class TurnByScansTest : public ::testing::Test {
     return sum;
   }
   Pose lidar_ = test::default_lidar();
-  test::SyntheticWorld world_ = avenue();
+  test::SyntheticWorld world_ = test::avenue();
   TurnByScans turn_{lidar_.translation()};
 };
 
@@ -67,17 +54,17 @@ TEST_F(TurnByScansTest, WhereNothingStandsItIsUnknown) {
   EXPECT_EQ(sum_until(2, [](double t) { return 2 * kDegree * t; }), 0);
 }
 
-/// The whole mapper in the avenue, with odometry that turns by 1 deg/s too far to the right. Its gyro, if it says that
-/// it has one, is wrong too.
-double yaw_error_of_a_drive(bool with_gyro) {
+/// The whole mapper in the avenue, with odometry that turns by 1 deg/s too far to the right, by a gyro that the wheels
+/// confirm or not, or by no gyro.
+double yaw_error_of_a_drive(bool with_gyro, bool turn_confirmed) {
   test::MapperDrive drive;
-  drive.world.boxes = avenue().boxes;
+  drive.world.boxes = test::avenue().boxes;
   drive.trajectory = [](double t) { return test::pose(3 * t, 0, 0, 0, 0, 0); };
   for (double t = -0.05; t < 5; t += 0.01) {
     scan::OdometrySample sample;
     sample.utime = test::utime(t);
     sample.T_odom_base = scan::move({{3, 0, 0}, {0, 0, -kDegree}}, t);
-    sample.turn_confirmed = false;
+    sample.turn_confirmed = turn_confirmed;
     sample.with_gyro = with_gyro;
     drive.odometry.add(sample);
   }
@@ -90,12 +77,16 @@ double yaw_error_of_a_drive(bool with_gyro) {
 }
 
 TEST(TurnByScans, KeepTheMapperStraightWhereNoSurfaceDoes) {
-  const double by_odometry = yaw_error_of_a_drive(true);
-  const double by_scans = yaw_error_of_a_drive(false);
+  const double by_odometry = yaw_error_of_a_drive(true, true);
+  const double by_scans = yaw_error_of_a_drive(false, false);
   std::printf("[ figure ] yaw after 4 s: %.2f deg by odometry, %.2f deg by the scans\n", by_odometry / kDegree,
               by_scans / kDegree);
   EXPECT_LT(by_scans, 1.0 * kDegree);
   EXPECT_LT(by_scans, 0.4 * by_odometry);
+}
+
+TEST(TurnByScans, CorrectAGyroThatTheWheelsContradict) {
+  EXPECT_LT(yaw_error_of_a_drive(true, false), 1.0 * kDegree);
 }
 
 }  // namespace
