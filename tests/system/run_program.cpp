@@ -36,14 +36,14 @@ ProgramResult run_program(const std::string& command, double seconds) {
   const std::string line = fmt::format("{}exec timeout -k 2 {} {} >'{}' 2>'{}'", kPath, seconds, command,
                                        (folder / "out").string(), (folder / "err").string());
   ProgramResult result;
-  result.exit_status = bench::faults::shell_status(std::system(line.c_str()));
+  result.exit_status = bench::programs::shell_status(std::system(line.c_str()));
   result.out = read_file(folder / "out");
   result.err = read_file(folder / "err");
   return result;
 }
 
 BackgroundProgram::BackgroundProgram(const std::string& command, const std::string& output_file)
-    : bench::faults::BackgroundProgram("env PATH=" + test::program_path("") + ":\"$PATH\" " + command,
-                                       emptied(output_file)) {}
+    : bench::programs::BackgroundProgram("env PATH=" + test::program_path("") + ":\"$PATH\" " + command,
+                                         emptied(output_file)) {}
 
 }  // namespace curbstone::system_test

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "tools/bench/faults/background_program.hpp"
+#include "tools/bench/programs/background_program.hpp"
 
 namespace curbstone::system_test {
 
@@ -15,7 +15,7 @@ struct ProgramResult {
 ProgramResult run_program(const std::string& command, double seconds = 20);
 
 /// One of our programs that runs while the test does other things; killed with its owner.
-class BackgroundProgram : public bench::faults::BackgroundProgram {
+class BackgroundProgram : public bench::programs::BackgroundProgram {
  public:
   BackgroundProgram(const std::string& command, const std::string& output_file);
 };

@@ -105,7 +105,7 @@ class ReplayOnThreads : public ::testing::Test {
 };
 
 TEST_F(ReplayOnThreads, MakesTheSameMapAndSaysTheSameAsInOne) {
-  make_town("9");
+  make_town("6");
   testing::internal::CaptureStdout();
   const auto one = replay("1");
   const std::string said = testing::internal::GetCapturedStdout();
@@ -117,7 +117,7 @@ TEST_F(ReplayOnThreads, MakesTheSameMapAndSaysTheSameAsInOne) {
 }
 
 TEST_F(ReplayOnThreads, MakesTheSameMapOfADamagedDrive) {
-  make_town("9");
+  make_town("6");
   damage();
   const auto one = replay("1", "ekf.fuse_map=true");
   const auto many = replay("4", "ekf.fuse_map=true");
@@ -181,7 +181,7 @@ TEST_F(ReplayOnThreads, RefusesToSetWhatNobodyReadsAndLeavesTheMapThatIsThere) {
 }
 
 TEST_F(ReplayOnThreads, LeavesTheDenseMapOfTheVehicleAlone) {
-  make_town("8");
+  make_town("4");
   const std::string site = folder_ / "site";
   record_mapper("mapper:\n  folder: " + site + "\n");
   (void)replay("1");

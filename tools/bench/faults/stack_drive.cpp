@@ -49,7 +49,7 @@ StackDrive::StackDrive(const StackOptions& options) : options_(options) {
   bus_.bus.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t&) {
     if (begin_ == 0) begin_ = steady_clock();
   });
-  simulator_ = std::make_unique<BackgroundProgram>(
+  simulator_ = std::make_unique<programs::BackgroundProgram>(
       fmt::format("curbstone simulate --live --town --seed 1 --seconds {} {} --config '{}' --head-start 5 --imu-link "
                   "'{}/dev/imu' "
                   "--can-link '{}/dev/can' --spool '{}' --truth '{}/truth'",
@@ -72,7 +72,7 @@ StackDrive::~StackDrive() {
 }
 
 void StackDrive::start_deputy() {
-  deputy_ = std::make_unique<BackgroundProgram>(
+  deputy_ = std::make_unique<programs::BackgroundProgram>(
       fmt::format("curbstone-deputy --config '{}' --script stack --quiet --log-dir '{}/logs'", options_.procman_config,
                   options_.folder),
       options_.folder + "/deputy.out");

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/bench/faults/background_program.hpp"
 #include "tools/bench/faults/small_disk.hpp"
 #include "tools/bench/faults/watched_bus.hpp"
+#include "tools/bench/programs/background_program.hpp"
 
 namespace curbstone::bench::faults {
 
@@ -99,7 +99,7 @@ class StackDrive {
   bool done_ = false;             // a fault was injected
   bool clean_ = false;
   std::vector<pid_t> loops_;
-  std::unique_ptr<BackgroundProgram> simulator_, deputy_;
+  std::unique_ptr<programs::BackgroundProgram> simulator_, deputy_;
 };
 
 }  // namespace curbstone::bench::faults

@@ -1,4 +1,5 @@
-// Drives whose wheels are as they should be: none is called faulty, or not for long.
+// Drives whose sensors are as they should be: no wheel is called faulty, or not for long, no gyro's axis is done
+// without, and no leap of its bias is seen. One run of the filter is asked for all of it.
 #include <gtest/gtest.h>
 
 #include "services/ekf/filter/filter.hpp"
@@ -11,7 +12,9 @@ namespace {
 
 struct Verdicts {
   std::int64_t faults = 0, withheld = 0;
-  double trusted_at = 0.0;  // s, when the last wheel was trusted again
+  std::int64_t gyro_leaps = 0;
+  bool without_axis = false;  // of the gyro, at the end or some time
+  double trusted_at = 0.0;    // s, when the last wheel was trusted again
   bool faulty_at_end = false;
 };
 
@@ -31,13 +34,20 @@ Verdicts verdicts_on(const base::EkfConfig& config, const Drive& drive) {
   v.faults = counters["faults.wheel_left"] + counters["faults.wheel_right"];
   v.withheld = counters["withheld.wheel_left"] + counters["withheld.wheel_right"];
   v.faulty_at_end = faulty;
+  v.gyro_leaps = counters["gyro_leaps"];
+  v.without_axis = filter.axes().any();
+  for (const char* axis : {"x", "y", "z"})
+    v.without_axis = v.without_axis || counters.values().count(std::string("faults.gyro_") + axis) > 0;
   return v;
 }
 
 class HarmlessDrives : public ::testing::TestWithParam<HarmlessDrive> {};
 
-TEST_P(HarmlessDrives, CallNoWheelFaulty) {
+/// On ice, on a jack, with stamps that jitter or measures that are wrong.
+TEST_P(HarmlessDrives, CallNoWheelAndNoGyroFaulty) {
   const Verdicts v = verdicts_on(base::EkfConfig(), GetParam().make());
+  EXPECT_FALSE(v.without_axis);
+  EXPECT_EQ(v.gyro_leaps, 0);
   if (GetParam().spin_ends < 0) {
     EXPECT_EQ(v.faults, 0);
     EXPECT_EQ(v.withheld, 0);
@@ -56,7 +66,7 @@ INSTANTIATE_TEST_SUITE_P(All, HarmlessDrives, ::testing::ValuesIn(harmless_drive
 /// As recorded, with the measures that fit it, and with wrong ones.
 class RealDrives : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(RealDrives, CallNoWheelFaulty) {
+TEST_P(RealDrives, CallNoWheelFaultyAndSeeNoLeapOfTheGyro) {
   const auto drive = real_drive(GetParam());
   if (!drive) GTEST_SKIP() << "the recording is not there";
   for (const double radius : {0.9, 1.0, 1.1}) {
@@ -68,6 +78,9 @@ TEST_P(RealDrives, CallNoWheelFaulty) {
       const Verdicts v = verdicts_on(config, drive->drive);
       EXPECT_EQ(v.faults, 0) << "radius " << radius << ", track " << track;
       EXPECT_EQ(v.withheld, 0);
+      if (radius == 1.0 && track == 1.0) {
+        EXPECT_EQ(v.gyro_leaps, 0);
+      }
     }
   }
 }

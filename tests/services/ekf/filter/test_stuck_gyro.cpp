@@ -8,7 +8,6 @@
 #include "tests/services/ekf/drawn_drives.hpp"
 #include "tests/services/ekf/ground_error.hpp"
 #include "tests/services/ekf/gyro_faults.hpp"
-#include "tests/services/ekf/harmless_drives.hpp"
 #include "tests/services/ekf/town_drive.hpp"
 
 namespace curbstone::ekf::filter {
@@ -200,17 +199,6 @@ TEST_P(StuckGyro, LeavesABiasToWhoInherits) {
 }
 INSTANTIATE_TEST_SUITE_P(Axis, StuckGyro, ::testing::Values(0, 1, 2),
                          [](const auto& of) { return gyro_axis(of.param); });
-
-/// On ice, on a jack, with stamps that jitter or measures that are wrong no axis is called stuck.
-TEST(HealthyGyro, IsNotDoneWithout) {
-  for (const HarmlessDrive& harmless : harmless_drives()) {
-    Filter filter{base::EkfConfig()};
-    std::ignore = run(filter, harmless.make());
-    EXPECT_FALSE(filter.axes().any()) << harmless.name;
-    for (const char* axis : {"x", "y", "z"})
-      EXPECT_EQ(filter.counters().values().count(std::string("faults.gyro_") + axis), 0U) << harmless.name;
-  }
-}
 
 }  // namespace
 }  // namespace curbstone::ekf::filter

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <initializer_list>
 
 #include "tests/services/localizer/yard.hpp"
 
@@ -33,12 +34,12 @@ TEST(NearbyAlternatives, HaveNoBetterPlaceThanTheRightOne) {
   EXPECT_FALSE(alternatives.all_tried());
 }
 
-TEST(NearbyAlternatives, OfAWrongPoseHaveTheRightOne) {
+void expect_the_right_one(std::initializer_list<Eigen::Vector2d> offs) {
   const Yard yard;
   fields::SavedMap map(map_of(yard));
   const Pose truth = pose_at(-1, 0, 0.2);
   const auto points = points_in(yard, truth);
-  for (const Eigen::Vector2d& off : {Eigen::Vector2d(1, 0), {-2.5, 0}, {0, 1.3}, {2, -1}}) {
+  for (const Eigen::Vector2d& off : offs) {
     Pose wrong = truth;
     wrong.translation() += truth.linear() * Eigen::Vector3d(off.x(), off.y(), 0);
     NearbyAlternatives alternatives;
@@ -46,6 +47,14 @@ TEST(NearbyAlternatives, OfAWrongPoseHaveTheRightOne) {
     ASSERT_TRUE(better) << off.transpose();
     EXPECT_LT(error_between(truth, better->belief.T_map_base).head<2>().norm(), 0.05) << off.transpose();
   }
+}
+
+TEST(NearbyAlternatives, OfAWrongPoseHaveTheRightOne) {
+  expect_the_right_one({{2, -1}});
+}
+
+TEST(NearbyAlternatives, OfAPoseThatIsWrongAlongOrAcrossHaveTheRightOne) {  // long
+  expect_the_right_one({{1, 0}, {-2.5, 0}, {0, 1.3}});
 }
 
 TEST(NearbyAlternatives, BetweenTwoLongWallsAreAllAlike) {

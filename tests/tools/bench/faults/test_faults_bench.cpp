@@ -1,23 +1,16 @@
 #include "tools/bench/faults/faults_bench.hpp"
 
 #include <gmock/gmock.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <stdexcept>
-#include <thread>
 
 #include "tests/temporary_folder.hpp"
-#include "tools/bench/faults/background_program.hpp"
 #include "tools/bench/faults/fault_report.hpp"
 #include "tools/bench/faults/fault_rows.hpp"
 #include "tools/bench/faults/small_disk.hpp"
@@ -26,26 +19,6 @@ namespace curbstone::bench::faults {
 namespace {
 
 using ::testing::HasSubstr;
-
-TEST(BackgroundProgram, EndsEvenWhereItsOwnerIsKilled) {
-  const test::TemporaryFolder folder;
-  const std::string output = folder / "output";
-  const pid_t owner = fork();
-  if (owner == 0) {
-    const BackgroundProgram program("sh -c 'echo $$; exec sleep 600'", output);
-    for (;;) pause();
-  }
-  const auto comes_to = [](const std::function<bool()>& condition) {
-    for (int i = 0; i < 3000 && !condition(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    return condition();
-  };
-  pid_t program = 0;
-  ASSERT_TRUE(comes_to([&] { return static_cast<bool>(std::ifstream(output) >> program); }));
-  kill(owner, SIGKILL);
-  waitpid(owner, nullptr, 0);
-  const std::string command = "/proc/" + std::to_string(program) + "/cmdline";  // nobody may collect it: empty then
-  EXPECT_TRUE(comes_to([&] { return std::ifstream(command).get() == EOF; }));
-}
 
 TEST(FaultRows, HaveNamesOfTheirOwnAndBeginWithNoFault) {
   std::set<std::string> names;

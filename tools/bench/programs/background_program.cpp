@@ -1,4 +1,4 @@
-#include "tools/bench/faults/background_program.hpp"
+#include "tools/bench/programs/background_program.hpp"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -11,7 +11,7 @@
 #include <iterator>
 #include <thread>
 
-namespace curbstone::bench::faults {
+namespace curbstone::bench::programs {
 
 int shell_status(int wait_status) {
   return WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 128 + WTERMSIG(wait_status);
@@ -71,4 +71,4 @@ std::string BackgroundProgram::output() const {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-}  // namespace curbstone::bench::faults
+}  // namespace curbstone::bench::programs

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace curbstone::bench::faults {
+namespace curbstone::bench::programs {
 
 /// The status of an ended process in the shell's convention: its exit status, or 128 + n if signal n ended it.
 [[nodiscard]] int shell_status(int wait_status);
@@ -33,4 +33,4 @@ class BackgroundProgram {
   std::string output_file_;
 };
 
-}  // namespace curbstone::bench::faults
+}  // namespace curbstone::bench::programs
