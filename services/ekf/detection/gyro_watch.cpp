@@ -23,12 +23,14 @@ void GyroWatch::add(std::int64_t utime, const Eigen::Vector3d& rate, const std::
   last_ = rate;
   last_utime_ = utime;
   if (begins) {
+    all_repeats_ = 0;
     for (Axis& axis : axes_)
       axis = {.stuck = axis.stuck, .since = utime, .changing_since = utime, .change_count = axis.change_count};
   } else {
     learn_steps(change);
     for (std::size_t i = 0; i < axes_.size(); ++i) judge(i, utime, change);
     for (std::size_t i = 0; i < axes_.size(); ++i) check_pair(i, utime, change);
+    check_all(utime, change);
   }
   for (std::size_t i = 0; i < axes_.size(); ++i) axes_[i].stuck = axes_[i].stuck || stuck_by_driver[i];
 }
@@ -86,11 +88,27 @@ void GyroWatch::check_pair(std::size_t third, std::int64_t utime, const Eigen::V
   ++axis.others_repeat;
   if (change[static_cast<Eigen::Index>(third)] > 0) ++axis.changed_meanwhile;
   const bool zeros = shown((third + 1) % 3) == 0 || shown((third + 2) % 3) == 0;
-  const bool fine = fine_changes_ >= kOften || (step_ > 0 && step_ <= kFine);
-  if (!fine || one.change_count < kMinChanges || other.change_count < kMinChanges || (zeros && least_ > kFine)) return;
+  if (!has_fine_steps() || one.change_count < kMinChanges || other.change_count < kMinChanges ||
+      (zeros && least_ > kFine))
+    return;
   const bool is_proven = axis.changed_meanwhile >= kRun && static_cast<double>(axis.changed_meanwhile) >=
                                                                kMostly * static_cast<double>(axis.others_repeat);
   if (is_proven && utime - std::max(one.since, other.since) >= kPair) one.stuck = other.stuck = true;
+}
+
+/// Decides whether all axes have got stuck together.
+void GyroWatch::check_all(std::int64_t utime, const Eigen::Vector3d& change) {
+  all_repeats_ = change.isZero(0.0) ? std::min(all_repeats_ + 1, kRun) : 0;
+  if (all_repeats_ < kRun || !has_fine_steps() || last_.cwiseAbs().minCoeff() == 0) return;
+  const auto got_stuck = [&](const Axis& axis) {
+    return axis.change_count >= kMinChanges && utime - axis.since >= kPair;
+  };
+  if (!std::all_of(axes_.begin(), axes_.end(), got_stuck)) return;
+  for (Axis& axis : axes_) axis.stuck = true;
+}
+
+bool GyroWatch::has_fine_steps() const {
+  return fine_changes_ >= kOften || (step_ > 0 && step_ <= kFine);
 }
 
 bool GyroWatch::is_proven_stuck(const Axis& axis, std::int64_t utime) const {

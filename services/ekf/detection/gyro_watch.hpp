@@ -18,8 +18,10 @@ namespace curbstone::ekf::detection {
 ///
 /// Two axes that get stuck in the same moment are detected when the third changes for kPair, if the steps are fine and
 /// both axes have changed kMinChanges times before, which excludes a gyro with one axis. A device with a dead zone may
-/// show zero on two axes for any time, so zeros count only if a value below kFine has been shown before. While all
-/// three axes repeat nothing is decided: the vehicle stands, or the device sends each sample twice.
+/// show zero on two axes for any time, so zeros count only if a value below kFine has been shown before.
+///
+/// While all three axes repeat nothing is decided for kPair: the device sends each sample several times. Then all three
+/// are stuck, if the steps are fine, no axis shows zero, and all have changed kMinChanges times before.
 ///
 /// The driver detects, in any gyro, an axis that shows a rate which no bias explains for 0.5 s. Its report is accepted.
 ///
@@ -58,10 +60,13 @@ class GyroWatch {
   void judge(std::size_t axis, std::int64_t utime, const Eigen::Vector3d& change);
   [[nodiscard]] bool is_proven_stuck(const Axis& axis, std::int64_t utime) const;
   void check_pair(std::size_t third, std::int64_t utime, const Eigen::Vector3d& change);
+  void check_all(std::int64_t utime, const Eigen::Vector3d& change);
+  [[nodiscard]] bool has_fine_steps() const;
 
   std::array<Axis, 3> axes_;
   Eigen::Vector3d last_ = Eigen::Vector3d::Zero();
   std::int64_t last_utime_ = 0;
+  int all_repeats_ = 0;      // samples in a row in which all axes have repeated, at most kRun
   int fine_changes_ = 0;     // changes by at most kFine, of all axes
   double least_ = INFINITY;  // rad/s, smallest value other than zero that an axis has shown
   int changes_ = 0;          // of the current block, all axes

@@ -324,7 +324,7 @@ void Filter::emit(const model::Inertial& imu, double dt, bool no_imu, std::vecto
   const double rate_sigma = no_imu ? config_->noise.coasting_rate : noise_.gyro / std::sqrt(std::max(dt, 1e-3));
   model::Estimate estimate = model::estimate_base(belief_, imu, rate_sigma, geometry_);
   axes_.restore_biases(estimate);
-  estimate.level = no_imu || level_.level();
+  estimate.level = no_imu || level_.level() || axes_.all_got_stuck();
   estimate.stationary = standing_;
   estimate.slipping = slip_.slipping(0, belief_.utime) || slip_.slipping(1, belief_.utime);
   estimate.no_imu = no_imu;

@@ -35,6 +35,8 @@ class LostAxes {
 
   [[nodiscard]] bool lost(int axis) const { return lost_[static_cast<std::size_t>(axis)]; }
   [[nodiscard]] bool any() const { return lost(0) || lost(1) || lost(2); }
+  /// All are lost, and were right until they repeated their values: the tilt is as good as without an IMU.
+  [[nodiscard]] bool all_got_stuck() const { return lost(0) && lost(1) && lost(2) && !declared_stuck(); }
   /// An axis is stuck by the sample's `stuck` flags, not because it repeats its value.
   [[nodiscard]] bool declared_stuck() const { return sample_.stuck[0] || sample_.stuck[1] || sample_.stuck[2]; }
   /// No working axis measures the turn about the vertical.

@@ -200,6 +200,16 @@ TEST_F(GyroWatchTest, TwoAxesThatHaveLivedAndGetStuckInOneMomentAreFound) {
   }
 }
 
+TEST_F(GyroWatchTest, ThreeAxesThatHaveLivedAndGetStuckInOneMomentAreFound) {
+  add(3);
+  add(0.9, {true, true, true});
+  EXPECT_FALSE(watch_.stuck(0) || watch_.stuck(1) || watch_.stuck(2));
+  add(0.3, {true, true, true});
+  EXPECT_TRUE(watch_.stuck(0) && watch_.stuck(1) && watch_.stuck(2));
+  add(2.5);
+  EXPECT_FALSE(watch_.stuck(0) || watch_.stuck(1) || watch_.stuck(2));
+}
+
 /// What is small is 0 there: about two axes it may be for as long as it turns about the third.
 TEST_F(GyroWatchTest, OfADeviceWithADeadZoneNoTwoAxesAreStuckAtZero) {
   const auto turn = [&](double seconds, const Eigen::Vector3d& level) {
