@@ -83,16 +83,16 @@ void describe_leap(const filter::Filter& filter, std::vector<std::string>& fault
 void describe_mounting(const mounting::MountingWatch& mounting, const VehicleConfig& vehicle,
                        std::vector<std::string>& faults) {
   if (const auto up = mounting.wrong_up()) {
-    faults.push_back(
-        fmt::format("IMU: by gravity its {} axis points up, by vehicle.imu its {}: correct its roll, pitch",
-                    axis_along(*up), axis_along(vehicle.T_base_imu().linear().transpose().col(2))));
+    faults.push_back(fmt::format(
+        "IMU: by gravity its {} axis points up, by vehicle.imu its {}, and it is not used: correct its roll, pitch",
+        axis_along(*up), axis_along(vehicle.T_base_imu().linear().transpose().col(2))));
   }
   if (const auto force = mounting.wrong_gravity()) {
     faults.push_back(fmt::format(
         "IMU: its mean acceleration is {:.2f} m/s^2, which is not gravity, and it is not used: another unit?", *force));
   }
   const std::optional<double> yaw = mounting.missing_yaw();
-  const bool backwards = yaw && std::abs(*yaw) > 0.75 * std::numbers::pi;  // else about a right angle
+  const bool backwards = yaw && std::abs(*yaw) >= mounting::MountingWatch::kBackwards;  // else about a right angle
   if (backwards && mounting.turns_opposite()) {
     faults.emplace_back("WHEELS: both count backwards: correct invert_left and invert_right");
     return;
@@ -102,7 +102,8 @@ void describe_mounting(const mounting::MountingWatch& mounting, const VehicleCon
   if (const auto ahead = mounting.mirrored()) {
     const bool swapped = std::abs(ahead->y()) > std::abs(ahead->x());
     faults.push_back(fmt::format(
-        "IMU: its axes are not right-handed: {}. No vehicle.imu is so: correct what the device sends",
+        "IMU: its axes are not right-handed: {}, and it is not used. No vehicle.imu is so: correct what the device "
+        "sends",
         swapped ? "x and y are swapped" : fmt::format("{} has the wrong sign", ahead->x() > 0 ? 'y' : 'x')));
   }
   if (const auto up = mounting.wrong_gyro_up()) {
@@ -117,8 +118,9 @@ void describe_mounting(const mounting::MountingWatch& mounting, const VehicleCon
         *scale, *scale * vehicle.track_width));
   }
   if (yaw) {
-    faults.push_back(fmt::format("IMU: its forward is not the wheels': add about {:.0f} deg to the yaw of vehicle.imu",
-                                 backwards ? 180.0 : *yaw * 180 / std::numbers::pi));
+    faults.push_back(
+        fmt::format("IMU: its forward is not the wheels'{}: add about {:.0f} deg to the yaw of vehicle.imu",
+                    backwards ? "" : ", and it is not used", backwards ? 180.0 : *yaw * 180 / std::numbers::pi));
   }
 }
 

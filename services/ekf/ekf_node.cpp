@@ -123,13 +123,17 @@ void EkfNode::run(bool drain) {
   }
 }
 
-/// Drops samples of an IMU whose accelerometer does not measure gravity, or that is shaken too hard once the filter has
-/// started; marks a gyro that does not measure turns.
+/// Drops samples of an IMU whose accelerometer does not measure gravity, that is turned against vehicle.imu, or that is
+/// shaken too hard once the filter has started; marks a gyro that does not measure turns.
 std::optional<inputs::Sequencer::Sample> EkfNode::usable_of(const inputs::Sequencer::Sample& sample) {
   const auto* measured = std::get_if<base::ImuSample>(&sample);
   if (measured == nullptr) return sample;
   if (mounting_.wrong_gravity()) {
     counters_.add("refused.gravity.imu");
+    return {};
+  }
+  if (mounting_.imu_is_misplaced() || (!filter_.filter().started() && mounting_.may_have_wrong_up())) {
+    counters_.add("refused.misplaced.imu");
     return {};
   }
   if (shaken_imu_.add(*measured) && filter_.filter().started()) {

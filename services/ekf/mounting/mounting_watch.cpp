@@ -12,7 +12,6 @@ constexpr double kInterval = 0.2;      // s: counter steps are small against the
 constexpr double kLongest = 0.5;       // s, of an interval: if it is longer, samples are missing
 constexpr int kMinSamples = 3;         // IMU samples in an interval
 constexpr double kFirstGravity = 2.0;  // s after which the direction of gravity is judged
-constexpr double kFirstForce = 0.5;    // s after which its magnitude is judged: before the filter starts
 constexpr double kMinForce = 7.0;      // m/s^2: no road reduces it further for seconds
 constexpr double kMaxForce = 14.0;     // m/s^2: nor increases it further, with a scale that is a little wrong
 
@@ -51,7 +50,7 @@ void MountingWatch::add(const base::ImuSample& sample) {
   if (dt <= 0.0 || dt > kLongest) return;
   gravity_seconds_ = std::min(gravity_seconds_ + dt, kGravityMemory);
   gravity_ += dt / gravity_seconds_ * (force - gravity_);
-  if (gravity_seconds_ >= kFirstGravity) tilted_ = gravity_.z() < std::cos(kMaxTilt) * gravity_.norm();
+  if (gravity_seconds_ >= kFirstGravity) tilted_ = gravity_points_aside();
 }
 
 void MountingWatch::restart_interval(const base::WheelSample& sample) {
@@ -164,6 +163,14 @@ void MountingWatch::check_handedness(double seconds, double motion) {
   mirrored_ = mirrored_ || (mirrored_seconds_ > kMirroredFor && mirrored_motion_ > kMirroredMotion);
 }
 
+bool MountingWatch::gravity_points_aside() const {
+  return gravity_.z() < std::cos(kMaxTilt) * gravity_.norm();
+}
+
+bool MountingWatch::may_have_wrong_up() const {
+  return tilted_ || (gravity_seconds_ >= kFirstForce && gravity_points_aside());
+}
+
 std::optional<Eigen::Vector3d> MountingWatch::wrong_up() const {
   if (!tilted_) return {};
   return R_base_imu_.transpose() * gravity_.normalized();
@@ -199,6 +206,11 @@ std::optional<Eigen::Vector2d> MountingWatch::mirrored() const {
 std::optional<double> MountingWatch::missing_yaw() const {
   if (!yaw_is_wrong_ || tilted_ || mirrored_) return {};
   return -std::arg(product_);
+}
+
+bool MountingWatch::imu_is_misplaced() const {
+  const auto yaw = missing_yaw();
+  return tilted_ || mirrored() || (yaw && std::abs(*yaw) < kBackwards);
 }
 
 }  // namespace curbstone::ekf::mounting

@@ -34,8 +34,10 @@ namespace curbstone::ekf::mounting {
 class MountingWatch {
  public:
   static constexpr double kGravityMemory = 5.0;  ///< s
+  static constexpr double kFirstForce = 0.5;     ///< s after which its magnitude is judged: before the filter starts
   static constexpr double kMaxTilt = 0.8;        ///< rad; bends of 0.8 g look like 0.68
   static constexpr double kMaxYaw = 1.05;        ///< rad
+  static constexpr double kBackwards = 2.36;  ///< rad, of missing_yaw(): from here on both wheels may count backwards
 
   explicit MountingWatch(const VehicleConfig& vehicle);
 
@@ -45,6 +47,8 @@ class MountingWatch {
 
   /// Unit vector, imu frame: the axis of the IMU that points up, if it is not the configured one.
   [[nodiscard]] std::optional<Eigen::Vector3d> wrong_up() const;
+  /// The same before it is certain: from the first kFirstForce s on. A filter should not start so.
+  [[nodiscard]] bool may_have_wrong_up() const;
   /// m/s^2, mean of the specific force if it is not gravity: another unit, or a broken accelerometer.
   [[nodiscard]] std::optional<double> wrong_gravity() const;
 
@@ -63,6 +67,9 @@ class MountingWatch {
   [[nodiscard]] std::optional<Eigen::Vector2d> mirrored() const;
   /// rad, correction to vehicle.imu's yaw; about pi where both wheels count backwards.
   [[nodiscard]] std::optional<double> missing_yaw() const;
+  /// The IMU is turned by so much against vehicle.imu, or mirrored, that its samples only harm: another axis points up,
+  /// its forward is aside, or its axes are not right-handed. Where its forward is backwards, the wheels may be wrong.
+  [[nodiscard]] bool imu_is_misplaced() const;
 
  private:
   using Complex = std::complex<double>;  // ahead, to the left
@@ -74,6 +81,7 @@ class MountingWatch {
     Eigen::Vector2d level_rate = Eigen::Vector2d::Zero();  // rad/s, about x and y
     Eigen::Vector2d force = Eigen::Vector2d::Zero();       // m/s^2
   };
+  [[nodiscard]] bool gravity_points_aside() const;
   void restart_interval(const base::WheelSample& sample);
   void check(const Interval& interval);
   void check_turn(const Interval& interval);

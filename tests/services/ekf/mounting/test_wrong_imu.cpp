@@ -1,6 +1,7 @@
 // An IMU that speaks in other units, or has another axis up for its gyro only: it is named, and odometry does without.
 #include <algorithm>
 #include <functional>
+#include <optional>
 
 #include "tests/services/ekf/ekf_node_test.hpp"
 #include "tests/services/ekf/town_drive.hpp"
@@ -17,7 +18,8 @@ struct Driven {
   std::vector<std::string> faults;
   Counters counters;
   std::size_t published = 0;
-  std::size_t found = 0;  // s after the start, when the gyro was found wrong; 0: never
+  std::size_t found = 0;      // s after the start, when the gyro was found wrong; 0: never
+  std::size_t not_level = 0;  // messages
 };
 
 Driven driven(const std::function<void(base::ImuSample&)>& spoil) {
@@ -35,7 +37,9 @@ Driven driven(const std::function<void(base::ImuSample&)>& spoil) {
     if (found == 0 && i % 100 == 0 && node.report().counters["faults.gyro_z"] > 0) found = i / 100;
   }
   const NodeReport report = node.report();
-  return {report.faults, report.counters, odometry.size(), found};
+  const auto not_level = std::count_if(odometry.begin(), odometry.end(),
+                                       [](const odometry_t& m) { return (m.flags & odometry_t::NOT_LEVEL) != 0; });
+  return {report.faults, report.counters, odometry.size(), found, static_cast<std::size_t>(not_level)};
 }
 
 TEST(WrongImu, AnAccelerometerInGIsNotUsedAndTheWheelsStartOdometry) {
@@ -62,10 +66,42 @@ TEST(WrongImu, AGyroWithAnotherAxisUpIsNotUsed) {
   EXPECT_THAT(swapped.faults, Contains(HasSubstr("its +x axis points up, by gravity the +z")));
 }
 
+TEST(WrongImu, OneThatIsUpsideDownIsNotUsedFromTheStart) {
+  Driven turned = driven([](base::ImuSample& sample) {
+    for (Eigen::Vector3d* v : {&sample.acceleration, &sample.angular_rate}) v->tail<2>() *= -1;
+  });
+  EXPECT_THAT(turned.faults, Contains(HasSubstr("its -z axis points up, by vehicle.imu its +z, and it is not used")));
+  EXPECT_GT(turned.counters["refused.misplaced.imu"], 13'000);
+  EXPECT_EQ(turned.counters["starts.without_imu"], 1);
+  EXPECT_GT(turned.published, 10'000U);
+}
+
+TEST(WrongImu, OneThatIsTurnedByARightAngleIsNotUsedOnceItIsFound) {
+  Driven turned = driven([](base::ImuSample& sample) {
+    for (Eigen::Vector3d* v : {&sample.acceleration, &sample.angular_rate})
+      *v = Eigen::Vector3d(v->y(), -v->x(), v->z());
+  });
+  EXPECT_THAT(turned.faults, Contains(HasSubstr("its forward is not the wheels', and it is not used: add about")));
+  EXPECT_GT(turned.counters["refused.misplaced.imu"], 5'000);
+}
+
+TEST(WrongImu, AGyroOfWhichAllAxesGetStuckLeavesTheOdometryUsable) {
+  std::optional<base::ImuSample> first, frozen;
+  const Driven stuck = driven([&](base::ImuSample& sample) {
+    if (!first) first = sample;
+    if (sample.utime - first->utime < 60'000'000) return;
+    if (!frozen) frozen = sample;
+    sample.angular_rate = frozen->angular_rate;
+  });
+  EXPECT_THAT(stuck.faults, Contains(HasSubstr("the gyro's z axis is stuck")));
+  EXPECT_EQ(stuck.not_level, 0U);
+}
+
 TEST(WrongImu, OneThatIsRightIsUsed) {
-  const Driven right = driven([](base::ImuSample&) {});
+  Driven right = driven([](base::ImuSample&) {});
   EXPECT_TRUE(right.faults.empty());
   EXPECT_EQ(right.counters["faults.gyro_z"], 0);
+  EXPECT_EQ(right.counters["refused.misplaced.imu"], 0);
 }
 
 }  // namespace
