@@ -289,6 +289,7 @@ void Tracker::forget_start() {
   matcher_.clear_map();
   last_.reset();
   turns_.clear();
+  scale_by_scans_.interrupt();
   tracking_state_.forget_drift();
   twist_ = {};
   motion_.set({});

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <functional>
 
 #include "tests/services/mapper/mapper_drive.hpp"
@@ -57,8 +58,8 @@ TEST_F(ScaleByScansTest, WhereNothingStandsItIsUnknown) {
   EXPECT_EQ(scale_at(4, [](double) { return 1.10; }), 1);
 }
 
-/// m, by how much the whole mapper in the avenue is behind at the end of 20 m, with odometry that goes 0.9 times as
-/// fast as the vehicle. At the end it is asked how much of that came in the last 8 m.
+/// The whole mapper in the avenue, with odometry that goes 0.9 times as fast as the vehicle. The first comparisons take
+/// some 8 m: what counts is how much farther it falls behind after 12 m.
 TEST(ScaleByScans, KeepsTheMapperInStepWhereNoSurfaceDoes) {
   test::MapperDrive drive;
   drive.world.boxes = test::avenue(40).boxes;
@@ -69,15 +70,15 @@ TEST(ScaleByScans, KeepsTheMapperInStepWhereNoSurfaceDoes) {
     sample.T_odom_base = test::pose(2.7 * t, 0, 0, 0, 0, 0);
     drive.odometry.add(sample);
   }
-  double behind = 0, behind_after_corrected = 0;
+  double behind = 0, behind_at_first = 0;
   while (drive.turn * kPeriod < 7) {
     const auto update = drive.step();
     if (!update) continue;
     behind = 3 * drive.turn * kPeriod - (drive.T_world_map * update->T_map_base).translation().x();
-    if (drive.turn * kPeriod < 4) behind_after_corrected = behind;
+    if (drive.turn * kPeriod < 4) behind_at_first = behind;
   }
-  std::printf("[ figure ] behind after 12 m: %.2f m, after 21 m: %.2f m\n", behind_after_corrected, behind);
-  EXPECT_LT(behind - behind_after_corrected, 0.25);  // odometry: 0.9
+  std::printf("[ figure ] behind after 12 m: %.2f m, after 21 m: %.2f m\n", behind_at_first, behind);
+  EXPECT_LT(behind - behind_at_first, 0.25);  // odometry: 0.9
 }
 
 }  // namespace
