@@ -91,9 +91,7 @@ void describe_mounting(const mounting::MountingWatch& mounting, const VehicleCon
     faults.push_back(fmt::format(
         "IMU: its mean acceleration is {:.2f} m/s^2, which is not gravity, and it is not used: another unit?", *force));
   }
-  const std::optional<double> yaw = mounting.missing_yaw();
-  const bool backwards = yaw && std::abs(*yaw) >= mounting::MountingWatch::kBackwards;  // else about a right angle
-  if (backwards && mounting.turns_opposite()) {
+  if (mounting.wheels_count_backwards()) {
     faults.emplace_back("WHEELS: both count backwards: correct invert_left and invert_right");
     return;
   }
@@ -117,10 +115,14 @@ void describe_mounting(const mounting::MountingWatch& mounting, const VehicleCon
         "WHEELS turn {:.2f} times as far as the gyro: is vehicle.track_width {:.2f} m, or the gyro's scale wrong?",
         *scale, *scale * vehicle.track_width));
   }
-  if (yaw) {
+  if (mounting.is_undecided()) {
+    faults.emplace_back(
+        "IMU: by it the vehicle sets off the other way than by the wheels, and is believed to drive forwards: add 180 "
+        "deg to the yaw of vehicle.imu, or do both wheels count backwards? The first bend will show it");
+  } else if (const auto yaw = mounting.missing_yaw()) {
     faults.push_back(
         fmt::format("IMU: its forward is not the wheels'{}: add about {:.0f} deg to the yaw of vehicle.imu",
-                    backwards ? "" : ", and it is not used", backwards ? 180.0 : *yaw * 180 / std::numbers::pi));
+                    mounting.imu_turn() != 0.0 ? ", and it is used as if turned" : "", *yaw * 180 / std::numbers::pi));
   }
 }
 

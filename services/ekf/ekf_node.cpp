@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 #include <variant>
 
 #include "common/bus/levels.hpp"
@@ -19,6 +20,7 @@ constexpr std::int64_t kStatePeriod = 100'000;  // us
 constexpr std::int64_t kSilence = 1'000'000;    // us without a message that count as a fault
 constexpr int kGarbageRun = 20;                 // consecutive refused messages that count as a fault
 constexpr std::int32_t kMaxLoss = 100'000;      // a larger step of a sequence is a restart, not a loss
+constexpr double kTurnStep = 0.1;               // rad, by which a newly measured yaw of the IMU must differ
 
 }  // namespace
 
@@ -123,8 +125,8 @@ void EkfNode::run(bool drain) {
   }
 }
 
-/// Drops samples of an IMU whose accelerometer does not measure gravity, that is turned against vehicle.imu, or that is
-/// shaken too hard once the filter has started; marks a gyro that does not measure turns.
+/// Drops samples of an IMU whose accelerometer does not measure gravity, that has another axis up, or that is shaken
+/// too hard once the filter has started; marks a gyro that does not measure turns; turns an IMU of another yaw.
 std::optional<inputs::Sequencer::Sample> EkfNode::usable_of(const inputs::Sequencer::Sample& sample) {
   const auto* measured = std::get_if<base::ImuSample>(&sample);
   if (measured == nullptr) return sample;
@@ -142,7 +144,20 @@ std::optional<inputs::Sequencer::Sample> EkfNode::usable_of(const inputs::Sequen
   }
   base::ImuSample imu = *measured;
   if (mounting_.gyro_is_wrong()) imu.stuck.fill(true);
+  turn(imu);
   return imu;
+}
+
+/// As an IMU shows it that is mounted as vehicle.imu says. Small changes of the measured yaw are not followed.
+void EkfNode::turn(base::ImuSample& imu) {
+  const double wanted = mounting_.imu_turn();
+  if (std::abs(std::remainder(wanted - imu_turn_, 2.0 * std::numbers::pi)) > kTurnStep) imu_turn_ = wanted;
+  if (imu_turn_ == 0.0) return;
+  const Eigen::Matrix3d R_base_imu = config_.vehicle.T_base_imu().linear();
+  const Eigen::Matrix3d turn = R_base_imu.transpose() * rotation_from_rpy(0.0, 0.0, imu_turn_) * R_base_imu;
+  imu.angular_rate = turn * imu.angular_rate;
+  imu.acceleration = turn * imu.acceleration;
+  imu.turned = imu_turn_;
 }
 
 void EkfNode::check_mounting(const inputs::Sequencer::Sample& sample) {
@@ -151,7 +166,10 @@ void EkfNode::check_mounting(const inputs::Sequencer::Sample& sample) {
                       mounting_.wrong_turn_scale().has_value(), mounting_.mirrored().has_value()};
   };
   const auto before = wrong();
-  if (const auto* wheels = std::get_if<base::WheelSample>(&sample)) mounting_.add(*wheels);
+  const auto& watch = filter_.filter().wheel_watch();
+  const bool one_wheel_is_wrong = watch.faulty(0) != watch.faulty(1);  // both turn as no vehicle does, then
+  const auto* wheels = std::get_if<base::WheelSample>(&sample);
+  if (wheels != nullptr && !one_wheel_is_wrong) mounting_.add(*wheels);
   const auto* imu = std::get_if<base::ImuSample>(&sample);
   if (imu != nullptr && !filter_.filter().axes().any()) mounting_.add(*imu);
   const auto now = wrong();

@@ -12,6 +12,9 @@ struct ImuSample {
   Eigen::Vector3d angular_rate = Eigen::Vector3d::Zero();  ///< rad/s
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  ///< specific force, m/s^2
   std::array<bool, 3> stuck = {};                          ///< gyro axes that the driver reports as stuck
+  /// rad, to be added to the yaw of vehicle.imu: by so much rate and acceleration have been turned, as the imu frame
+  /// that the file declares would show them.
+  double turned = 0.0;
 };
 
 /// Angles of both wheels at one instant: left, right; positive is forward.

@@ -50,6 +50,8 @@ model::TimedInertial Filter::in_body(const base::ImuSample& sample) const {
 void Filter::add(const base::ImuSample& measured, std::vector<model::Estimate>& out) {
   update_noise(measured);
   const base::ImuSample sample = axes_.add(measured);
+  const double more = sample.turned - std::exchange(turned_, sample.turned);
+  if (started_ && more != 0.0) turn_imu(more);
   if (!started_) {
     start(sample);
     if (!started_) return;
@@ -307,6 +309,7 @@ void Filter::cancel_launch() {
 void Filter::leave_standing() {
   if (!standing_) return;
   standing_ = false;
+  set_off_from_ = belief_.mean.position;
   mechanisation_.window().reset();
   inflate_after_standstill(belief_, config_->standstill.travel, geometry_.track_width);
 }

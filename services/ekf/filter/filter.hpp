@@ -97,6 +97,7 @@ class Filter {
   void continue_from(const model::Belief& predecessor, std::int64_t utime);
   void restart_clock(std::int64_t utime);
   void update_stuck_axes();
+  void turn_imu(double yaw);
   [[nodiscard]] model::TimedInertial in_body(const base::ImuSample& sample) const;
   void restore_if_not_finite();
 
@@ -112,6 +113,7 @@ class Filter {
   void correct_driving(const inputs::WheelInterval& interval);
   void compare_yaw_rates(const inputs::WheelInterval& interval);
   void correct_gyro_leap(const detection::GyroLeap::Leap& leap);
+  void restart_comparisons();
   void reset_yaw_rate_comparison();
   void check_launch(const inputs::WheelInterval& interval);
   void check_wheels(const inputs::WheelInterval& interval, const std::array<model::Observation, 2>& rows);
@@ -162,7 +164,9 @@ class Filter {
   LostHeading heading_;
   detection::StandingMotion standing_motion_;
   std::optional<Launch> launch_;
-  bool wheels_rejected_ = false;  // the wheels are disowned since a launch
+  Eigen::Vector3d set_off_from_ = Eigen::Vector3d::Zero();  // m, position at the latest standstill
+  double turned_ = 0.0;                                     // rad, of the samples of the IMU
+  bool wheels_rejected_ = false;                            // the wheels are disowned since a launch
   detection::LevelWatch level_;
   std::optional<model::Belief> predecessor_;
   model::Belief belief_;

@@ -78,6 +78,11 @@ void Filter::correct_gyro_leap(const detection::GyroLeap::Leap& leap) {
   const Pose before = model::base_pose(belief_.mean, geometry_);
   belief_ = without_leap(belief_, leap);
   smoother_.corrected(before, model::base_pose(belief_.mean, geometry_));
+  restart_comparisons();
+}
+
+/// After the belief was corrected for what wheels and IMU had been compared with.
+void Filter::restart_comparisons() {
   slip_.reset_detector();
   slip_.accept_both();
   watch_.interrupt();

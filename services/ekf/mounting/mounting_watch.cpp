@@ -33,16 +33,21 @@ constexpr double kLongTurn = 0.1;        // rad^2/s
 constexpr double kLying = 0.8;           // minimum share of the wheels' turn that the rate about a level axis explains
 constexpr double kUpright = 0.2;         // maximum share of it in the rate about z
 constexpr double kMinGain = 0.5, kMaxGain = 2.0;
+constexpr double kSense = 0.004;  // rad^2/s, turn that shows its sense: 3 deg/s for 2 s
 
 }  // namespace
 
 MountingWatch::MountingWatch(const VehicleConfig& vehicle)
-    : R_base_imu_(vehicle.T_base_imu().linear()), radius_(vehicle.wheel_radius), track_(vehicle.track_width) {}
+    : R_base_imu_(vehicle.T_base_imu().linear()),
+      radius_(vehicle.wheel_radius),
+      track_(vehicle.track_width),
+      setting_off_(vehicle) {}
 
 void MountingWatch::add(const base::ImuSample& sample) {
   const double dt = last_imu_ ? base::seconds_between(last_imu_->utime, sample.utime) : 0.0;
   if (dt < 0.0 && dt > -1.0) return;  // late: not worth a rewind
   last_imu_ = sample;
+  setting_off_.add(sample);
   const Eigen::Vector3d force = R_base_imu_ * sample.acceleration;
   ++imu_samples_;
   force_sum_ += force;
@@ -61,6 +66,7 @@ void MountingWatch::restart_interval(const base::WheelSample& sample) {
 }
 
 void MountingWatch::add(const base::WheelSample& sample) {
+  if (const auto start = setting_off_.add(sample)) note_start(*start);
   const double seconds = begin_ ? base::seconds_between(begin_->utime, sample.utime) : -kLongest;
   if (seconds < 0.0 && seconds > -kLongest) return;
   if (seconds >= 0.0 && seconds < kInterval) return;
@@ -78,6 +84,7 @@ void MountingWatch::add(const base::WheelSample& sample) {
 
 void MountingWatch::check(const Interval& interval) {
   check_turn(interval);
+  check_sense(interval);
   check_gyro_up(interval);
   if (before_) check_forward(*before_, interval);
   before_ = interval;
@@ -143,6 +150,28 @@ void MountingWatch::check_forward(const Interval& before, const Interval& interv
   const bool explained = std::norm(product_) > kExplained * force_square_ * motion_square_;
   if (!explained || gain < kMinGain || gain > kMaxGain) return;
   yaw_is_wrong_ = std::abs(std::arg(product_)) > (yaw_is_wrong_ ? 0.5 : 1.0) * kMaxYaw;
+  const bool has_turned = start_yaw_ && std::abs(std::arg(product_ * std::polar(1.0, *start_yaw_))) > kMaxYaw;
+  if (has_turned) start_yaw_.reset();
+}
+
+void MountingWatch::note_start(const SettingOff::Start& start) {
+  const bool wrong = std::abs(start.yaw) > kMaxStartYaw;
+  start_yaw_ = wrong ? std::optional(start.yaw) : std::nullopt;
+  set_off_ahead_ = start.ahead;
+  if (!wrong) yaw_is_wrong_ = false;
+}
+
+void MountingWatch::check_sense(const Interval& interval) {
+  if (!goes_backwards()) {
+    sense_fit_ = {};
+    sense_ = 0;
+    return;
+  }
+  sense_fit_.add(interval.seconds, interval.speed, interval.wheel_rate, interval.gyro_rate);
+  if (sense_fit_.turn() < kSense) return;
+  const TurnFit fit = std::exchange(sense_fit_, {});
+  if (fit.explained() > kTurnsAlike && std::abs(fit.gain()) > kMinGain && std::abs(fit.gain()) < kMaxGain)
+    sense_ = fit.gain() < 0 ? -1 : 1;
 }
 
 /// Slip looks like anything for a while: the result must last, and explain more of the motion.
@@ -204,13 +233,17 @@ std::optional<Eigen::Vector2d> MountingWatch::mirrored() const {
 }
 
 std::optional<double> MountingWatch::missing_yaw() const {
-  if (!yaw_is_wrong_ || tilted_ || mirrored_) return {};
-  return -std::arg(product_);
+  if (tilted_ || mirrored_) return {};
+  if (start_yaw_) return start_yaw_;
+  return yaw_is_wrong_ ? std::optional(-std::arg(product_)) : std::nullopt;
 }
 
-bool MountingWatch::imu_is_misplaced() const {
-  const auto yaw = missing_yaw();
-  return tilted_ || mirrored() || (yaw && std::abs(*yaw) < kBackwards);
+bool MountingWatch::goes_backwards() const {
+  return std::abs(missing_yaw().value_or(0.0)) >= kBackwards;
+}
+
+double MountingWatch::imu_turn() const {
+  return goes_backwards() && !imu_looks_backwards() ? 0.0 : missing_yaw().value_or(0.0);
 }
 
 }  // namespace curbstone::ekf::mounting

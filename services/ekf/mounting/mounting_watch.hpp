@@ -7,6 +7,7 @@
 
 #include "common/config/vehicle.hpp"
 #include "services/ekf/base/samples.hpp"
+#include "services/ekf/mounting/setting_off.hpp"
 #include "services/ekf/mounting/turn_scale.hpp"
 
 namespace curbstone::ekf::mounting {
@@ -23,7 +24,8 @@ namespace curbstone::ekf::mounting {
 ///   is wrong (TurnScale).
 /// - Forward: the changes of horizontal specific force are those of the wheels' speed (ahead) and of speed times yaw
 ///   rate (to the left), rotated by the error of vehicle.imu's yaw: least squares of complex numbers. Accepted where it
-///   explains most of the force, with a plausible gain.
+///   explains most of the force, with a plausible gain. Each start from a standstill shows that error at once
+///   (SettingOff).
 /// - Handedness: if the mirror image of that motion, rotated by any angle, explains most of the force, and the motion
 ///   itself clearly less, then two axes of the IMU are swapped, or one has the wrong sign. (This needs bends: without
 ///   them both explain it equally.)
@@ -36,7 +38,8 @@ class MountingWatch {
   static constexpr double kGravityMemory = 5.0;  ///< s
   static constexpr double kFirstForce = 0.5;     ///< s after which its magnitude is judged: before the filter starts
   static constexpr double kMaxTilt = 0.8;        ///< rad; bends of 0.8 g look like 0.68
-  static constexpr double kMaxYaw = 1.05;        ///< rad
+  static constexpr double kMaxYaw = 1.05;        ///< rad, by the forces of a drive
+  static constexpr double kMaxStartYaw = 0.15;   ///< rad, by a start: healthy vehicles show less than 0.03
   static constexpr double kBackwards = 2.36;  ///< rad, of missing_yaw(): from here on both wheels may count backwards
 
   explicit MountingWatch(const VehicleConfig& vehicle);
@@ -67,9 +70,21 @@ class MountingWatch {
   [[nodiscard]] std::optional<Eigen::Vector2d> mirrored() const;
   /// rad, correction to vehicle.imu's yaw; about pi where both wheels count backwards.
   [[nodiscard]] std::optional<double> missing_yaw() const;
-  /// The IMU is turned by so much against vehicle.imu, or mirrored, that its samples only harm: another axis points up,
-  /// its forward is aside, or its axes are not right-handed. Where its forward is backwards, the wheels may be wrong.
-  [[nodiscard]] bool imu_is_misplaced() const;
+  /// missing_yaw() is about pi.
+  [[nodiscard]] bool goes_backwards() const;
+  /// Then it is the IMU, if wheels and gyro have turned the same way since; else the wheels. Until the first bend shows
+  /// that, the vehicle is believed to have set off forwards.
+  [[nodiscard]] bool imu_looks_backwards() const {
+    return goes_backwards() && (sense_ == 0 ? set_off_ahead_ : sense_ > 0);
+  }
+  /// It is the wheels: a bend has shown it.
+  [[nodiscard]] bool wheels_count_backwards() const { return goes_backwards() && (sense_ < 0 || turns_opposite()); }
+  /// No bend has shown that yet.
+  [[nodiscard]] bool is_undecided() const { return goes_backwards() && sense_ == 0; }
+  /// rad, that the samples of the IMU are to be turned by: missing_yaw(), unless the wheels may be what is wrong.
+  [[nodiscard]] double imu_turn() const;
+  /// Another axis points up, or its axes are not right-handed: the IMU's samples only harm.
+  [[nodiscard]] bool imu_is_misplaced() const { return tilted_ || mirrored(); }
 
  private:
   using Complex = std::complex<double>;  // ahead, to the left
@@ -87,6 +102,8 @@ class MountingWatch {
   void check_turn(const Interval& interval);
   void check_gyro_up(const Interval& interval);
   void check_handedness(double seconds, double motion);
+  void note_start(const SettingOff::Start& start);
+  void check_sense(const Interval& interval);
   void check_forward(const Interval& before, const Interval& interval);
 
   Eigen::Matrix3d R_base_imu_;
@@ -117,6 +134,11 @@ class MountingWatch {
   double force_square_ = 0.0, motion_square_ = 0.0;  // integrals, m^2/s^3
   Complex product_, mirror_product_;                 // of the force with the motion, and with its mirror image
   bool yaw_is_wrong_ = false;
+  SettingOff setting_off_;
+  std::optional<double> start_yaw_;  // rad, by the latest start, if it is wrong
+  bool set_off_ahead_ = false;       // by the wheels, then
+  TurnFit sense_fit_;                // since then
+  int sense_ = 0;                    // 1: wheels and gyro turned the same way since then, -1: opposite ways
   double mirrored_seconds_ = 0.0, mirrored_motion_ = 0.0;  // in a row, in which the mirror image explains the force
   bool mirrored_ = false;
 };

@@ -83,8 +83,9 @@ class TurnScale {
   static constexpr double kMinTurn = 0.05;    // rad^2/s: 9 deg/s for 2 s
   static constexpr double kMinSeconds = 2.0;  // s: slip is shorter than most of the stretches together
   static constexpr double kExplained = 0.9;
-  static constexpr double kStill = 0.02;     // of the wheels' square
-  static constexpr double kSideways = 0.35;  // of the acceleration that the wheels' turn calls for
+  static constexpr double kStill = 0.02;       // of the wheels' square
+  static constexpr double kSideways = 0.35;    // of the acceleration that the wheels' turn calls for
+  static constexpr double kMinSideways = 0.1;  // m^2/s^3, of that acceleration: 0.3 m/s^2 for a second
   static constexpr std::size_t kStretches = 5;
   static constexpr double kMaxScale = 5.0;
   static constexpr double kTooFast = 0.4;     // rad/s, in addition to kMaxScale times the wheels' rate
@@ -98,8 +99,8 @@ class TurnScale {
       square += seconds * by_wheels * by_wheels;
       product += seconds * by_wheels * force;
     }
-    /// 1 in a turn, 0 in a slip.
-    [[nodiscard]] double share() const { return product.norm() / std::max(square, 1e-9); }
+    /// 1 in a turn, 0 in a slip, and where wheels that turn opposite ways call for no force: one may count backwards.
+    [[nodiscard]] double share() const { return square < kMinSideways ? 0.0 : product.norm() / square; }
   };
 
   /// A gyro in another unit exceeds the wheels' yaw rate by far: kTooFastFor of it is enough.

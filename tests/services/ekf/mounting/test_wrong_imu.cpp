@@ -1,8 +1,11 @@
 // An IMU that speaks in other units, or has another axis up for its gyro only: it is named, and odometry does without.
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <numbers>
 #include <optional>
 
+#include "common/geometry/geometry.hpp"
 #include "tests/services/ekf/ekf_node_test.hpp"
 #include "tests/services/ekf/town_drive.hpp"
 
@@ -11,6 +14,7 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr double kSeconds = 150.0;
 
@@ -20,11 +24,15 @@ struct Driven {
   std::size_t published = 0;
   std::size_t found = 0;      // s after the start, when the gyro was found wrong; 0: never
   std::size_t not_level = 0;  // messages
+  double off = 0.0;           // m, at the end
 };
 
-Driven driven(const std::function<void(base::ImuSample&)>& spoil) {
+Driven driven(
+    const std::function<void(base::ImuSample&)>& spoil,
+    const std::function<void(base::WheelSample&)>& spoil_wheels = [](base::WheelSample&) {}) {
   Drive drive = simulate_town_drive({.seconds = kSeconds, .speed = 5, .slip = false}, VehicleConfig());
   for (base::ImuSample& sample : drive.imu) spoil(sample);
+  for (base::WheelSample& sample : drive.wheels) spoil_wheels(sample);
   LocalBus bus;
   EkfNode node(base::EkfConfig(), bus);
   std::vector<odometry_t> odometry;
@@ -39,7 +47,10 @@ Driven driven(const std::function<void(base::ImuSample&)>& spoil) {
   const NodeReport report = node.report();
   const auto not_level = std::count_if(odometry.begin(), odometry.end(),
                                        [](const odometry_t& m) { return (m.flags & odometry_t::NOT_LEVEL) != 0; });
-  return {report.faults, report.counters, odometry.size(), found, static_cast<std::size_t>(not_level)};
+  const Eigen::Vector3d end =
+      drive.T_odom_base(drive.truth.size() - 1, drive.index_of(odometry.front().utime)).translation();
+  const double off = std::hypot(odometry.back().position[0] - end.x(), odometry.back().position[1] - end.y());
+  return {report.faults, report.counters, odometry.size(), found, static_cast<std::size_t>(not_level), off};
 }
 
 TEST(WrongImu, AnAccelerometerInGIsNotUsedAndTheWheelsStartOdometry) {
@@ -76,13 +87,19 @@ TEST(WrongImu, OneThatIsUpsideDownIsNotUsedFromTheStart) {
   EXPECT_GT(turned.published, 10'000U);
 }
 
-TEST(WrongImu, OneThatIsTurnedByARightAngleIsNotUsedOnceItIsFound) {
-  Driven turned = driven([](base::ImuSample& sample) {
-    for (Eigen::Vector3d* v : {&sample.acceleration, &sample.angular_rate})
-      *v = Eigen::Vector3d(v->y(), -v->x(), v->z());
-  });
-  EXPECT_THAT(turned.faults, Contains(HasSubstr("its forward is not the wheels', and it is not used: add about")));
-  EXPECT_GT(turned.counters["refused.misplaced.imu"], 5'000);
+/// Found as it sets off. What of the way it had believed until then is the error that remains.
+TEST(WrongImu, OneOfAnotherYawIsUsedAsIfTurned) {
+  for (const double degrees : {20.0, -45.0, 90.0, -90.0, 180.0}) {
+    const Eigen::Matrix3d R_imu_base = rotation_from_rpy(0, 0, degrees * std::numbers::pi / 180).transpose();
+    Driven turned = driven([&](base::ImuSample& sample) {
+      for (Eigen::Vector3d* v : {&sample.acceleration, &sample.angular_rate}) *v = R_imu_base * *v;
+    });
+    std::printf("[ figure ] an IMU turned by %.0f deg: %.2f m off after %.0f s\n", degrees, turned.off, kSeconds);
+    EXPECT_THAT(turned.faults, Contains(HasSubstr("used as if turned: add about")));
+    EXPECT_EQ(turned.counters["imu_turned"], 1);
+    EXPECT_EQ(turned.counters["faults.wheel_left"] + turned.counters["faults.wheel_right"], 0);
+    EXPECT_LT(turned.off, 5.0) << degrees;
+  }
 }
 
 TEST(WrongImu, AGyroOfWhichAllAxesGetStuckLeavesTheOdometryUsable) {
@@ -95,6 +112,15 @@ TEST(WrongImu, AGyroOfWhichAllAxesGetStuckLeavesTheOdometryUsable) {
   });
   EXPECT_THAT(stuck.faults, Contains(HasSubstr("the gyro's z axis is stuck")));
   EXPECT_EQ(stuck.not_level, 0U);
+}
+
+/// The wheels then turn the vehicle at 7 rad/s, as the gyro does not.
+TEST(WrongImu, AWheelThatCountsBackwardsFromTheStartIsNotTheGyrosFault) {
+  Driven backwards = driven([](base::ImuSample&) {}, [](base::WheelSample& sample) { sample.angle[0] *= -1; });
+  EXPECT_THAT(backwards.faults, Contains(HasSubstr("the left wheel is wrong for long (turns backwards")));
+  EXPECT_THAT(backwards.faults, Not(Contains(HasSubstr("IMU"))));
+  EXPECT_EQ(backwards.counters["faults.gyro_z"], 0);
+  EXPECT_EQ(backwards.not_level, 0U);
 }
 
 TEST(WrongImu, OneThatIsRightIsUsed) {
