@@ -27,8 +27,8 @@ constexpr std::int64_t kTick = 20'000;  // us
 enum PageNumber : web::PageId { kMap = 1, kPoints = 2, kUnread = 3 };
 
 /// By kind: frames/README.md.
-constexpr std::array<const char*, 9> kSections = {"",       "begin", "tiles",    "curbs",   "path",
-                                                  "points", "state", "services", "markings"};
+constexpr std::array<const char*, 10> kSections = {"",       "begin", "tiles",    "curbs",    "path",
+                                                   "points", "state", "services", "markings", "cloud"};
 
 std::uint32_t u32_at(const std::vector<std::uint8_t>& bytes, std::size_t at) {
   std::uint32_t value = 0;
