@@ -46,6 +46,21 @@ std::optional<PlaybackCommand> command_in(const json& message) {
   return command;
 }
 
+/// A place in map, m.
+std::optional<std::pair<double, double>> place_in(const json& object, const char* name) {
+  const auto it = object.find(name);
+  if (it == object.end() || !it->is_array() || it->size() != 2 || !(*it)[0].is_number() || !(*it)[1].is_number())
+    return std::nullopt;
+  return std::pair{(*it)[0].get<double>(), (*it)[1].get<double>()};
+}
+
+std::optional<frames::CloudWish> cloud_in(const json& message) {
+  if (!message.is_object()) return std::nullopt;
+  return frames::CloudWish{.wide = flag_in(message, "wide").value_or(false),
+                           .saliency = flag_in(message, "saliency").value_or(false),
+                           .cut = place_in(message, "cut")};
+}
+
 }  // namespace
 
 PageRequest parse_page_request(const std::string& text) {
@@ -60,6 +75,7 @@ PageRequest parse_page_request(const std::string& text) {
     request.drawn = static_cast<std::uint32_t>(*frame);
   if (const auto play = message.find("play"); play != message.end()) request.play = command_in(*play);
   request.points = flag_in(message, "points");
+  if (const auto cloud = message.find("cloud"); cloud != message.end()) request.cloud = cloud_in(*cloud);
   return request;
 }
 

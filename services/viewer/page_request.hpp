@@ -22,6 +22,7 @@ struct PageRequest {
   std::optional<std::uint32_t> drawn;           ///< the frame that it has drawn
   std::optional<PlaybackCommand> play;
   std::optional<bool> points;  ///< whether it shows the LiDAR's points
+  std::optional<frames::CloudWish> cloud;
 };
 
 /// Anybody may write to the port: a value of the wrong type or out of bounds is ignored.

@@ -45,7 +45,8 @@ ViewerNode::ViewerNode(const ViewerConfig& config, Publisher& bus, web::Connecti
       source_(std::move(source)),
       run_(draw_run()),
       tiles_(requester(source_), "SEMANTIC_TILE"),
-      scan_(config.vehicle.T_base_lidar(), config.scan_points) {}
+      scan_(config.vehicle.T_base_lidar(), config.scan_points),
+      cloud_(requester(source_)) {}
 
 void ViewerNode::connect(Subscriber& bus) {
   subscriber_ = &bus;
@@ -68,6 +69,14 @@ void ViewerNode::watch_scan() {
   subscriber_->subscribe<lidar_points_t>("LIDAR_POINTS", [this](const lidar_points_t& m) { on(m); });
 }
 
+void ViewerNode::watch_cloud() {
+  CloudIntake::Wish wish;
+  for (const auto& [id, page] : pages_) {
+    if (page.feed) wish.add(page.feed->cloud_wish());
+  }
+  cloud_.tick(now_, wish, epochs_.epoch().value_or(0), pose_, subscriber_, bus_);
+}
+
 bool ViewerNode::follow_epoch(std::int32_t epoch, EpochFollower::Source source) {
   heard();
   const EpochFollower::Verdict verdict = epochs_.observe(epoch, source, now_);
@@ -88,6 +97,7 @@ void ViewerNode::forget_map() {
 
 void ViewerNode::restart() {
   forget_map();
+  cloud_.forget();
   run_ = draw_run();
   epochs_ = {};
   services_ = {};
@@ -140,6 +150,7 @@ void ViewerNode::on(const semantic_tile_t& message) {
 }
 
 void ViewerNode::on(const tile_index_t& message) {
+  cloud_.on(message);
   if (message.channel != "SEMANTIC_TILE") return heard();
   if (!follow_epoch(message.epoch, EpochFollower::Source::kOther)) return;
   if (tiles_.behind() < kMaxBehind) tiles_.announced(message);
@@ -226,6 +237,7 @@ void ViewerNode::receive(Page& page, const web::Connections::Event& event) {
   if (request.drawn) return drawn(page, *request.drawn, event.at);
   if (request.play && source_.on_order) return source_.on_order(*request.play);
   if (request.points) return page.feed->want_points(*request.points);
+  if (request.cloud) return page.feed->want_cloud(*request.cloud);
   counters_.add("refused.nonsense");
 }
 
@@ -242,6 +254,7 @@ void ViewerNode::tick(std::int64_t now) {
   now_ = now;
   for (const web::Connections::Event& event : connections_.take_events()) receive(event);
   watch_scan();
+  watch_cloud();
   if (std::abs(now - last_request_) >= kRequestPeriod) {
     last_request_ = now;
     const tile_request_t request =
@@ -291,7 +304,9 @@ frames::World ViewerNode::world() const {
           .scan_number = scan_.number(),
           .services = services_json_,
           .services_number = services_number_,
-          .newest_utime = newest_utime_};
+          .newest_utime = newest_utime_,
+          .cloud = &cloud_.cloud(),
+          .now = now_};
 }
 
 State ViewerNode::state_for(const Page& page) const {
@@ -317,6 +332,7 @@ NodeReport ViewerNode::report() const {
   NodeReport report{.counters = counters_, .faults = {}};
   const Counters of_pages = connections_.counters();
   for (const auto& [name, value] : of_pages.values()) report.counters.set(name, value);
+  for (const auto& [name, value] : cloud_.counters().values()) report.counters.add(name, value);
   set_level(report.counters, "pages", static_cast<std::int64_t>(pages_.size()));
   set_level(report.counters, "tiles_behind", static_cast<std::int64_t>(tiles_.behind()));
   if (const auto fault = epochs_.fault(now_)) report.faults.push_back(*fault);

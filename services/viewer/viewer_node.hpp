@@ -18,6 +18,7 @@
 #include "common/shell/latency.hpp"
 #include "common/tile_sync/epoch_follower.hpp"
 #include "common/tile_sync/tile_sync.hpp"
+#include "services/viewer/cloud_intake.hpp"
 #include "services/viewer/frames/page_feed.hpp"
 #include "services/viewer/page_request.hpp"
 #include "services/viewer/scan.hpp"
@@ -85,6 +86,7 @@ class ViewerNode final : public Node {
   void receive(Page& page, const web::Connections::Event& event);
   void drawn(Page& page, std::uint32_t frame, std::int64_t at);
   void watch_scan();
+  void watch_cloud();
   void send_frames();
   [[nodiscard]] State state_for(const Page& page) const;
   void heard() { bus_heard_ = now_; }
@@ -110,6 +112,7 @@ class ViewerNode final : public Node {
   bool scan_subscribed_ = false;
   bool scan_wanted_ = false;  // at present
   bool scan_wanted_elsewhere_ = false;
+  CloudIntake cloud_;
   std::vector<map_trajectory_t> held_;  // of an epoch that may begin
   std::optional<map_pose_t> pose_;
   std::optional<map_pose_t> localized_;

@@ -14,9 +14,9 @@ constexpr std::int64_t kSearched = 20'000'000;  // us within which a log with a 
 constexpr std::int64_t kLeap = 1'000'000;       // us of the drive per call; the page is served in between
 constexpr std::int64_t kTick = 50'000;          // us of message time
 
-constexpr std::array<std::string_view, 10> kShown = {"SEMANTIC_TILE", "TILE_INDEX", "MAP_POSE",       "MAP_TRAJECTORY",
+constexpr std::array<std::string_view, 11> kShown = {"SEMANTIC_TILE", "TILE_INDEX", "MAP_POSE",       "MAP_TRAJECTORY",
                                                      "CURBS",         "MARKINGS",   "LOCALIZED_POSE", "SERVICE_STATUS",
-                                                     "LIDAR_POINTS",  "MAP_POINTS"};
+                                                     "LIDAR_POINTS",  "MAP_POINTS", "VOTED_POINTS"};
 constexpr std::array<std::string_view, 3> kSensors = {"LIDAR_POINTS", "IMU", "WHEELS"};
 
 template <class Names>

@@ -15,6 +15,7 @@ void PageFeed::begin(ByteWriter& out, const World& world) {
   curbs_number_ = markings_number_ = 0;
   path_round_ = 0;
   epoch_ = world.epoch;
+  cloud_.forget();
   if (!goes_on) write_begin(out, world.run, world.epoch);
 }
 
@@ -33,6 +34,7 @@ std::vector<std::uint8_t> PageFeed::make(const World& world, std::string_view st
     write_points(out, world.scan);
     scan_number_ = world.scan_number;
   }
+  if (world.cloud != nullptr) write_cloud(out, cloud_, *world.cloud, world.now);
   if (services_number_ != world.services_number) {
     write_services(out, world.services);
     services_number_ = world.services_number;

@@ -24,6 +24,8 @@ struct World {
   std::string_view services;      ///< JSON
   std::uint64_t services_number = 0;
   std::int64_t newest_utime = 0;  ///< us, of the map points in the newest tile
+  const store::DenseCloud* cloud = nullptr;
+  std::int64_t now = 0;  ///< us, for the rate of the cloud
 };
 
 /// Keeps track of what one page has, and makes the frames with what it lacks. At most kMaxOut frames may be
@@ -49,6 +51,9 @@ class PageFeed {
   }
   void want_points(bool wanted) { wants_points_ = wanted; }
   [[nodiscard]] bool wants_points() const { return wants_points_; }
+
+  void want_cloud(const CloudWish& wish) { cloud_.want(wish); }
+  [[nodiscard]] const CloudWish& cloud_wish() const { return cloud_.wish(); }
 
   [[nodiscard]] bool may_send() const { return out_.size() < kMaxOut; }
   /// Whether the page lacks tiles that the shared steps do not bring.
@@ -78,6 +83,7 @@ class PageFeed {
   std::uint64_t services_number_ = 0;
   std::int64_t newest_utime_ = 0;
   bool wants_points_ = false;
+  CloudFeed cloud_;
   std::uint32_t last_frame_ = 0;
   std::deque<Out> out_;
 };

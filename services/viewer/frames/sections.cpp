@@ -8,7 +8,7 @@
 namespace curbstone::viewer::frames {
 namespace {
 
-enum Kind : std::uint8_t { kBegin = 1, kTiles, kCurbs, kPath, kPoints, kState, kServices, kMarkings };
+enum Kind : std::uint8_t { kBegin = 1, kTiles, kCurbs, kPath, kPoints, kState, kServices, kMarkings, kCloud };
 
 /// Writes the head of a section, and fills in its length when the section is complete.
 class Section {
@@ -119,6 +119,12 @@ void write_points(ByteWriter& out, const std::vector<ScanPoint>& points) {
     out.i16(point.z);
     out.u8(point.intensity);
   }
+}
+
+void write_cloud(ByteWriter& out, CloudFeed& feed, const store::DenseCloud& cloud, std::int64_t now) {
+  if (!feed.has_news(cloud)) return;
+  const Section section(out, kCloud);
+  feed.write(out, cloud, now);
 }
 
 void write_state(ByteWriter& out, std::string_view json) {

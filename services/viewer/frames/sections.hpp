@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "services/viewer/frames/byte_writer.hpp"
+#include "services/viewer/frames/cloud_feed.hpp"
 #include "services/viewer/frames/tile_steps.hpp"
 #include "services/viewer/store/curb_lines.hpp"
 #include "services/viewer/store/live_map.hpp"
@@ -33,6 +34,8 @@ std::uint32_t write_markings(ByteWriter& out, const store::MarkingLines& marking
 /// Writes the points of the path from index `first` on. `everything`: the page discards the points it has.
 void write_path(ByteWriter& out, const store::ThinnedPath& path, std::size_t first, bool everything);
 void write_points(ByteWriter& out, const std::vector<ScanPoint>& points);
+/// Writes what `feed` has for its page at `now`, us.
+void write_cloud(ByteWriter& out, CloudFeed& feed, const store::DenseCloud& cloud, std::int64_t now);
 void write_state(ByteWriter& out, std::string_view json);
 void write_services(ByteWriter& out, std::string_view json);
 

@@ -9,12 +9,16 @@ const kSilence = 4000;  // ms without a frame: the connection counts as dead, wh
 /// The receiver of the frames. take() returns the frame's number.
 export interface Receiver { live: World; take(bytes: ArrayBuffer): number }
 
+/// What is wanted of the dense cloud: all around the vehicle, and its saliencies; the tiles of a cross-section, m in map.
+export interface CloudWish { wide: boolean; saliency: boolean; cut: [number, number] | null }
+
 export class Connection {
   lastFrame = 0;  // ms of performance.now(); 0: none yet
   refusal = "";   // why the viewer refuses this page; empty: it does not, or it is away
   private socket: WebSocket | null = null;
   private undrawn: number | null = null;
   private points = false;
+  private cloud: CloudWish = { wide: false, saliency: false, cut: null };
 
   constructor(private receiver: Receiver, private onFrame: () => void) {
     this.open();
@@ -43,6 +47,12 @@ export class Connection {
     this.send({ points: wanted });
   }
 
+  wantCloud(wish: CloudWish): void {
+    if (JSON.stringify(wish) === JSON.stringify(this.cloud)) return;
+    this.cloud = wish;
+    this.send({ cloud: wish });
+  }
+
   /// Controls the playback of a log.
   order(play: { pause?: boolean; speed?: number; position?: number }): void {
     this.send({ play });
@@ -62,6 +72,7 @@ export class Connection {
       this.lastFrame = performance.now();
       this.send({ resume: run ? { run, epoch, number } : null });
       this.send({ points: this.points });
+      if (this.cloud.wide || this.cloud.cut) this.send({ cloud: this.cloud });
     };
     socket.onmessage = event => {
       if (socket !== this.socket) return;

@@ -1,4 +1,5 @@
 // Decodes the server's frames into the World. frames/README.md has the layout.
+import { kPointBytes } from "./cloud";
 import { CurbLine, kTileCells, MarkingLine, Tile, World } from "./world";
 
 class Reader {
@@ -112,6 +113,18 @@ function readScan(reader: Reader, world: World): void {
   world.scanChanged = true;
 }
 
+/// Tile records: the number of the tile's points, and those that changed, in runs.
+function readCloud(reader: Reader, { cloud }: World): void {
+  cloud.received += reader.left;
+  while (reader.left > 0) {
+    const tile = cloud.resize(reader.i32(), reader.i32(), reader.f32(), reader.u16());
+    for (let runs = reader.u16(); runs > 0; --runs) {
+      const first = reader.u16(), end = first + reader.u16();
+      for (let i = first; i < end; ++i) tile.bytes.set(reader.bytes(kPointBytes - 1), i * kPointBytes);
+    }
+  }
+}
+
 /// Applies a frame and returns its number.
 export function readFrame(buffer: ArrayBuffer, world: World): number {
   const reader = new Reader(new DataView(buffer), 0, buffer.byteLength);
@@ -130,6 +143,7 @@ export function readFrame(buffer: ArrayBuffer, world: World): number {
     if (kind === 5) readScan(section, world);
     if (kind === 6) world.state = JSON.parse(section.text());
     if (kind === 8) readMarkings(section, world);
+    if (kind === 9) readCloud(section, world);
     if (kind === 7) world.services = JSON.parse(section.text());
   }
   return frame;

@@ -10,6 +10,7 @@ import { showSource } from "./cards/source";
 import { showFailure, showStatus } from "./cards/status";
 import { clock, Timeline } from "./cards/timeline";
 import { fit, uncover } from "./cards/free_area";
+import { CloudLayer } from "./cloud_layer";
 import { Connection } from "./connection";
 import { Camera } from "./drawing/camera";
 import { Ground } from "./drawing/ground";
@@ -21,8 +22,8 @@ import { kInk } from "./drawing/ink";
 import { css, kBackground } from "./drawing/palette";
 import { saveCanvases } from "./drawing/save_picture";
 import { Sheet } from "./drawing/sheet";
-import { TiltedMarks } from "./drawing/tilted_marks";
-import { Tilting } from "./drawing/tilting";
+import { TiltedMarks } from "./drawing/tilted/tilted_marks";
+import { Tilting } from "./drawing/tilted/tilting";
 import { byId, fixed, seconds } from "./format";
 import { listen } from "./gestures";
 import { listenToKeys } from "./keys";
@@ -44,7 +45,7 @@ let tiltedMarks: TiltedMarks;
 let panel: Panel;
 let inspector: Inspector;
 let ruler: Ruler;
-let connection: Connection;
+let connection: Connection, cloudLayer: CloudLayer;
 let timeline: Timeline;
 let rewind: Rewind;
 let isWell = true;  // of the live data, whatever is shown
@@ -73,7 +74,7 @@ function draw(now: number): void {
   const isTilting = tilting.step(now, world, settings.follow ? pose : null);
   if (world.curbsChanged) ground.curbsChanged();
   if (world.markingsChanged) ground.markingsChanged();
-  ground.draw(camera, { ...layers, theme: look, mode: settings.mode, byIntensity: settings.points === "intensity",
+  ground.draw(camera, { ...layers, theme: look, mode: settings.mode, byIntensity: settings.points === "intensity", cloudBy: settings.cloud,
     range, now: newestTime(world), grey, draft, paper: kBackground[look] }, pose);
   const poses: [Pose, string][] = pose ? [[pose, kInk[look].vehicle]] : [], other = localized.poseAt(now);
   if (other && layers.localized) poses.unshift([other, kInk[look].localized]);
@@ -172,7 +173,8 @@ function look(): void {
   if (state) panel.showState(state, motion.speed);
   if (showSource(state)) resize();
   showSummary(state?.source === "map", motion.speed, latency, verdict.faults, verdict.silent);
-  const fresh = settings.mode === "height" ? heightRange(world, camera) : range;
+  cloudLayer.trim(camera);
+  const fresh = settings.mode === "height" || settings.layers.cloud ? heightRange(world, camera) : range;
   if (Math.abs(fresh[0] - range[0]) + Math.abs(fresh[1] - range[1]) > 0.1) {
     range = fresh;
     panel.refresh(range);
@@ -190,6 +192,7 @@ function settingsChanged(): void {
   panel.refresh(range);
   inspector.show(settings.look, settings.mode);
   connection.wantPoints(settings.layers.points);
+  cloudLayer.ask();
   settings.write(camera);
   redraw();
 }
@@ -224,7 +227,7 @@ function toggleTilt(): void {
 }
 
 function zoom(factor: number): void {
-  camera.zoom(factor, camera.width / 2 + camera.offsetX, camera.height / 2 + camera.offsetY);
+  camera.zoom(factor, ...camera.middle);
   redraw();
 }
 
@@ -240,14 +243,9 @@ const kSheet = "(max-width: 900px), (max-height: 500px)";
 
 /// The arrow keys: a step on the screen. `leans`: turns and tilts.
 function walk(right: number, down: number, leans: boolean): void {
-  const step = 80, [x, y] = [camera.width / 2 + camera.offsetX, camera.height / 2 + camera.offsetY];
   tilting.stop();
-  if (leans) {
-    camera.lean(-down * 0.12, right * 0.12);
-  } else {
-    leave();
-    camera.hold(...camera.toMap(x + right * step, y + down * step), x, y);
-  }
+  if (!leans) leave();
+  leans ? camera.lean(-down * 0.12, right * 0.12) : camera.step(80 * right, 80 * down);
   redraw();
 }
 
@@ -262,6 +260,7 @@ function touched(x: number, y: number): void {
 /// leaves free.
 function onPicked(): void {
   const { x, y } = camera, middle = camera.toScreen(x, y);
+  cloudLayer.ask();
   inspector.show(settings.look, settings.mode);
   resize();
   if (settings.follow) return;
@@ -308,10 +307,10 @@ function wire(): void {
     " ": () => {
       if (document.activeElement?.tagName !== "BUTTON" && !byId("timeline").hidden) byId("pause").click();
     },
-    h: togglePanel,
+    h: togglePanel, c: () => { settings.layers.cloud = !settings.layers.cloud; settingsChanged(); },
     Escape: () => panel.isOpen ? panel.open(false) : ruler.isOn ? ruler.toggle() : inspector.pick(null),
   };
-  listenToKeys(map, keys, walk, () => touched(camera.width / 2 + camera.offsetX, camera.height / 2 + camera.offsetY));
+  listenToKeys(map, keys, walk, () => touched(...camera.middle));
   new ResizeObserver(resize).observe(map);  // the window was resized, or the phone was turned
   addEventListener("resize", resize);       // the window moved to a screen of another pixel density
   addEventListener("hashchange", () => {    // a link was pasted, or the browser's Back was used
@@ -336,6 +335,7 @@ try {
   inspector = new Inspector(world, onPicked);
   ruler = new Ruler(world, onMeasured);
   connection = new Connection(rewind, onFrame);
+  cloudLayer = new CloudLayer(settings, rewind, connection, inspector);
   timeline = new Timeline(order => world.state?.playback ? connection.order(order) : rewind.order(order), () => rewind.goLive());
   panel = new Panel(settings, settingsChanged);
   wire();

@@ -1,8 +1,8 @@
 // The user's choices. They are kept in the address (after #), so that a link restores them.
 import { Camera } from "./drawing/camera";
-import { Mode, Theme } from "./drawing/palette";
+import { CloudColour, kCloudColours, Mode, Theme } from "./drawing/palette";
 
-export interface Layers { grid: boolean; relief: boolean; curbs: boolean; markings: boolean; path: boolean; points: boolean; localized: boolean }
+export interface Layers { grid: boolean; relief: boolean; curbs: boolean; markings: boolean; path: boolean; points: boolean; cloud: boolean; localized: boolean }
 
 export class Settings {
   mode: Mode = "class";
@@ -10,7 +10,8 @@ export class Settings {
   follow = true;
   headingUp = false;
   points: "height" | "intensity" = "height";  // what colours the LiDAR's points
-  layers: Layers = { grid: true, relief: true, curbs: true, markings: true, path: true, points: true, localized: true };
+  cloud: CloudColour = "height";              // what colours the dense cloud
+  layers: Layers = { grid: true, relief: true, curbs: true, markings: true, path: true, points: true, cloud: false, localized: true };
   panel = true;     // beside the map; on a small screen it is always a sheet over the map
   hasView = false;  // the address has a view
   private written = "";
@@ -52,10 +53,13 @@ export class Settings {
     this.headingUp = words.get("up") === "heading";
     const off = (words.get("off") ?? "").split(".");
     for (const name of Object.keys(this.layers) as (keyof Layers)[]) this.layers[name] = !off.includes(name);
+    const cloud = kCloudColours.find(([colour]) => colour === words.get("cloud"));  // it costs bandwidth: off unless asked for
+    this.layers.cloud = !!cloud;
+    if (cloud) this.cloud = cloud[0];
   }
 
   write(camera: Camera): void {
-    const off = Object.entries(this.layers).filter(([, on]) => !on).map(([name]) => name);
+    const off = Object.entries(this.layers).filter(([name, on]) => !on && name !== "cloud").map(([name]) => name);
     const words = [`at=${camera.x.toFixed(2)},${camera.y.toFixed(2)},${camera.scale.toPrecision(4)},${camera.turn.toFixed(3)}`,
       `follow=${this.follow ? 1 : 0}`];
     if (this.mode !== "class") words.push(`colour=${this.mode}`);
@@ -63,6 +67,7 @@ export class Settings {
     if (this.headingUp) words.push("up=heading");
     if (camera.isTilted) words.push(`tilt=${(camera.tilt * 180 / Math.PI).toFixed(0)}`);
     if (this.points !== "height") words.push(`points=${this.points}`);
+    if (this.layers.cloud) words.push(`cloud=${this.cloud}`);
     if (off.length) words.push(`off=${off.join(".")}`);
     if (!this.panel) words.push("panel=0");
     const address = "#" + words.join("&");

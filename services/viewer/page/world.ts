@@ -1,4 +1,5 @@
 // The page's state of the map, and how frames change it (frames/README.md has their layout).
+import { Cloud } from "./cloud";
 
 export const kCells = 25;       // along a side of a tile
 export const kTileCells = 625;
@@ -96,6 +97,7 @@ export class World {
   pathChanged = true;
   scan: Float32Array = new Float32Array();  // x, y, z in base_link, m, and intensity 0..1, in turn
   scanChanged = false;
+  cloud = new Cloud();  // in no snapshot: the history has none
   state: State | null = null;
   services: Service[] = [];
 
@@ -114,6 +116,7 @@ export class World {
     this.markings.clear();
     this.path = [];
     this.scan = new Float32Array();
+    this.cloud.clear();
     this.cleared = this.curbsChanged = this.markingsChanged = this.pathChanged = this.scanChanged = true;
   }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/bytes/little_endian.hpp"
+#include "services/viewer/store/dense_cloud.hpp"
 #include "services/viewer/store/tile_cells.hpp"
 
 namespace curbstone::viewer {
@@ -27,6 +28,7 @@ class FrameReader {
   std::map<std::uint32_t, Marking> markings;
   std::vector<float> path;  ///< x, y, z by turns
   std::size_t num_points = 0;
+  std::map<TileKey, std::vector<store::DenseCloud::Point>> cloud;
   double run = 0;
   std::int32_t epoch = 0;
   double number = 0;
@@ -78,6 +80,7 @@ class FrameReader {
         curbs.clear();
         markings.clear();
         path.clear();
+        cloud.clear();
         return;
       case 2:
         number = take_f64();
@@ -101,6 +104,9 @@ class FrameReader {
         return;
       case 8:
         return read_markings();
+      case 9:
+        while (!bytes_.empty()) read_cloud_tile();
+        return;
       default:
         throw std::runtime_error("an unknown section");
     }
@@ -127,6 +133,22 @@ class FrameReader {
     for (const std::size_t i : cells) tile.height[i] = static_cast<std::int16_t>(take<std::uint16_t>());
     for (const std::size_t i : cells) tile.cost[i] = take<std::uint8_t>();
     for (const std::size_t i : cells) tile.confidence[i] = take<std::uint8_t>();
+  }
+
+  void read_cloud_tile() {
+    const std::int32_t x = take_i32();
+    auto& points = cloud[{x, take_i32()}];
+    take_f32();
+    points.resize(take<std::uint16_t>());
+    for (auto runs = take<std::uint16_t>(); runs > 0; --runs) {
+      const std::size_t first = take<std::uint16_t>();
+      const std::size_t end = first + take<std::uint16_t>();
+      for (std::size_t i = first; i < end; ++i) {
+        store::DenseCloud::Point& point = points.at(i);
+        for (auto* axis : {&point.x, &point.y, &point.z}) *axis = static_cast<std::int16_t>(take<std::uint16_t>());
+        for (auto* value : {&point.intensity, &point.surface, &point.line}) *value = take<std::uint8_t>();
+      }
+    }
   }
 
   template <class Lines>

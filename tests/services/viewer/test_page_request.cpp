@@ -10,6 +10,22 @@ bool is_nonsense(const std::string& text) {
   return !request.resumes && !request.drawn && !request.play && !request.points;
 }
 
+TEST(PageRequest, SayWhatOfTheDenseCloudIsWanted) {
+  const auto wide = parse_page_request(R"({"cloud": {"wide": true, "saliency": true, "cut": null}})").cloud;
+  ASSERT_TRUE(wide);
+  EXPECT_TRUE(wide->wide);
+  EXPECT_TRUE(wide->saliency);
+  EXPECT_FALSE(wide->cut);
+  const auto cut = parse_page_request(R"({"cloud": {"cut": [3.5, -2]}})").cloud;
+  ASSERT_TRUE(cut);
+  EXPECT_FALSE(cut->wide);
+  EXPECT_EQ(cut->cut, (std::pair{3.5, -2.0}));
+  EXPECT_FALSE(parse_page_request(R"({"cloud": true})").cloud);
+  for (const char* text :
+       {R"({"cloud": {"cut": [1]}})", R"({"cloud": {"cut": ["x", 2]}})", R"({"cloud": {"wide": 1}})"})
+    EXPECT_FALSE(parse_page_request(text).cloud->any()) << text;
+}
+
 TEST(PageRequest, TellWhatThePageHas) {
   const PageRequest request = parse_page_request(R"({"resume": {"run": 7, "epoch": 12, "number": 34}})");
   EXPECT_TRUE(request.resumes);

@@ -178,7 +178,7 @@ class DriveTest : public ::testing::Test {
     for (int i = 0; i < 10; ++i) {
       const std::int64_t utime = kBegin + i * 1'000'000;
       write(log, "SEMANTIC_TILE", semantic_map::to_message(tile_at(i, CellClass::kCurb), kEpoch, 1), utime);
-      write(log, "VOTED_POINTS", semantic_map::to_message(tile_at(i, CellClass::kCurb), kEpoch, 1), utime);
+      write(log, "ODOMETRY", semantic_map::to_message(tile_at(i, CellClass::kCurb), kEpoch, 1), utime);
     }
   }
   void listen() {

@@ -24,11 +24,11 @@ using curbstone::viewer::ViewerNode;
 namespace web = curbstone::viewer::web;
 
 constexpr std::int64_t kTick = 20'000;  // us
-enum PageNumber : web::PageId { kMap = 1, kPoints = 2, kUnread = 3 };
+enum PageNumber : web::PageId { kMap = 1, kPoints = 2, kUnread = 3, kCloud = 4 };
 
 /// By kind: frames/README.md.
-constexpr std::array<const char*, 9> kSections = {"",       "begin", "tiles",    "curbs",   "path",
-                                                  "points", "state", "services", "markings"};
+constexpr std::array<const char*, 10> kSections = {"",       "begin", "tiles",    "curbs",    "path",
+                                                   "points", "state", "services", "markings", "cloud"};
 
 std::uint32_t u32_at(const std::vector<std::uint8_t>& bytes, std::size_t at) {
   std::uint32_t value = 0;
@@ -52,15 +52,16 @@ std::int64_t compressed_size(const std::vector<std::uint8_t>& message) {
   return size;
 }
 
-/// Three pages that acknowledge each frame at once, except the last one, which never does.
+/// Pages that acknowledge each frame at once, except kUnread, which never does.
 class CountingConnections final : public web::Connections {
  public:
   CountingConnections() {
-    for (const web::PageId page : {kMap, kPoints, kUnread}) {
+    for (const web::PageId page : {kMap, kPoints, kUnread, kCloud}) {
       tell(page, Event::Kind::kConnected, "");
       tell(page, Event::Kind::kMessage, R"({"resume": null})");
     }
     tell(kPoints, Event::Kind::kMessage, R"({"points": true})");
+    tell(kCloud, Event::Kind::kMessage, R"({"cloud": {"wide": true, "saliency": true}})");
   }
   std::vector<Event> take_events() override { return std::exchange(events_, {}); }
   void send(web::PageId page, web::Frame frame) override {
@@ -122,6 +123,7 @@ DriveTraffic measure_traffic(const std::string& log) {
   DriveTraffic traffic{.seconds = static_cast<double>(now - first) * 1e-6,
                        .map = connections.of(kMap),
                        .points = connections.of(kPoints),
+                       .cloud = connections.of(kCloud),
                        .unread = connections.of(kUnread),
                        .tiles = {}};
   for (const auto& [key, tile] : tiles) traffic.tiles.push_back(tile);

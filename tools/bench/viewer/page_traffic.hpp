@@ -23,6 +23,7 @@ struct DriveTraffic {
   double seconds = 0;
   PageTraffic map;                     ///< a page that reads everything
   PageTraffic points;                  ///< one that also shows the LiDAR's points
+  PageTraffic cloud;                   ///< one that shows the dense cloud with its saliencies
   PageTraffic unread;                  ///< one that acknowledges nothing after its first frame
   std::vector<semantic_tile_t> tiles;  ///< of the map at the end
 };

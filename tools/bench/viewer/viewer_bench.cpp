@@ -32,8 +32,10 @@ nlohmann::json traffic_json(const PageTraffic& traffic, double seconds) {
 void print_traffic(const nlohmann::json& json) {
   fmt::print("{:.1f} s of drive, {} tiles; the page's files: {:.0f} kB\n\n", json["seconds"].get<double>(),
              json["tiles"].get<int>(), json["bundle_kb"].get<double>());
-  for (const auto& [name, says] :
-       {std::pair{"map", "a page"}, {"points", "with the LiDAR's points"}, {"unread", "that reads nothing"}}) {
+  for (const auto& [name, says] : {std::pair{"map", "a page"},
+                                   {"points", "with the LiDAR's points"},
+                                   {"cloud", "with the dense cloud"},
+                                   {"unread", "that reads nothing"}}) {
     const auto& traffic = json["traffic"][name];
     fmt::print("  {:<26} {:>7.3f} MB/s ({:.3f} before compression) {:>6.1f} frames/s, the largest {:.0f} kB\n", says,
                traffic["mb_per_s"].get<double>(), traffic["raw_mb_per_s"].get<double>(),
@@ -62,6 +64,7 @@ nlohmann::json measure(const std::string& log, bool draws) {
                       {"traffic",
                        {{"map", traffic_json(drive.map, drive.seconds)},
                         {"points", traffic_json(drive.points, drive.seconds)},
+                        {"cloud", traffic_json(drive.cloud, drive.seconds)},
                         {"unread", traffic_json(drive.unread, drive.seconds)}}},
                       {"bundle_kb", static_cast<double>(files) * 1e-3}};
   print_traffic(json);

@@ -1,4 +1,5 @@
-// The cross-section of a curb: the map's cells along its normal, and the step fitted to the points there.
+// The cross-section of a curb: the dense cloud's points and the map's cells along its normal, and the step fitted to the
+// points there.
 import { make } from "../format";
 import { CurbLine, heightOf, kCellSize, kCells, kTileSize, World } from "../world";
 
@@ -62,6 +63,17 @@ export function cutAcross(world: World, curb: CurbPlace): CutCell[] {
   return found.sort((a, b) => a.across - b.across);
 }
 
+/// The points of the dense cloud within the band: m from the foot line, m above the foot. None, if the viewer sent none.
+export function pointsAcross({ cloud }: World, curb: CurbPlace): [number, number][] {
+  const found: [number, number][] = [], [sx, sy] = curb.side;
+  cloud.near(curb.x, curb.y, kReach + kBand, (x, y, z) => {
+    const [dx, dy] = [x - curb.x, y - curb.y], across = dx * sx + dy * sy, up = z - curb.foot;
+    if (Math.abs(across) > kReach || Math.abs(dx * sy - dy * sx) > kBand || up < kLowest || up > kHighest) return;
+    found.push([across, up]);
+  });
+  return found;
+}
+
 /// Length of the line's foot, m.
 export function lengthOf({ n, values }: CurbLine): number {
   let length = 0;
@@ -72,9 +84,10 @@ export function lengthOf({ n, values }: CurbLine): number {
 const kSvg = "http://www.w3.org/2000/svg";
 const kWide = 232, kHigh = 96, kLowest = -0.15, kHighest = 0.45;  // pixels; m above the foot
 
-/// Draws the cells as dots in the colour of their class, the fitted step as a line, and a 10 cm scale. The step of a
+/// Draws the cells as dots in the colour of their class, the points as small ones, the fitted step as a line, and a 10 cm
+/// scale. The step of a
 /// lowered curb is dashed and that of an inferred one dotted, as on the map.
-export function drawCut(cells: CutCell[], curb: CurbPlace, colourOf: (kind: number) => string): HTMLElement {
+export function drawCut(cells: CutCell[], points: [number, number][], curb: CurbPlace, colourOf: (kind: number) => string): HTMLElement {
   const x = (across: number) => (across / kReach + 1) / 2 * kWide;
   const y = (up: number) => kHigh * (kHighest - Math.min(kHighest, Math.max(kLowest, up))) / (kHighest - kLowest);
   const svg = document.createElementNS(kSvg, "svg");
@@ -88,8 +101,10 @@ export function drawCut(cells: CutCell[], curb: CurbPlace, colourOf: (kind: numb
   const dashes = curb.line.inferred ? "1 4" : curb.line.dropped ? "5 4" : "none";
   add("polyline", { class: "step", "stroke-dasharray": dashes, points: `0,${y(0)} ${x(0)},${y(0)} ${x(0)},${y(curb.height)} ${kWide},${y(curb.height)}` });
   for (const cell of cells) add("circle", { cx: x(cell.across), cy: y(cell.up), r: 3, fill: colourOf(cell.kind) });
+  for (const [across, up] of points) add("rect", { x: x(across) - 1, y: y(up) - 1, width: 2, height: 2 });
+  const what = points.length > 0 ? "Cells and points (small)" : "Cells";
   const figure = make("figure", "", "cut", make("figcaption", cells.length === 0 ? "No cell is known across it" :
-    `Cells across it, 1.5 m to each side; ${curb.line.inferred ? "dotted: inferred" : "line: the fitted step"}; bar: 10 cm`));
+    `${what} across it, 1.5 m to each side; ${curb.line.inferred ? "dotted: inferred" : "line: the fitted step"}; bar: 10 cm`));
   figure.prepend(svg);
   return figure;
 }

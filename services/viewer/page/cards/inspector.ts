@@ -3,7 +3,7 @@ import { classColours, css, kClassNames, Mode, Theme } from "../drawing/palette"
 import { byId, closeButton, fixed, list, make, metres, seconds, setText } from "../format";
 import { newestTime } from "../survey";
 import { cellAt, heightOf, kUnknownCost, Tile, World } from "../world";
-import { CurbPlace, curbAt, CutCell, cutAcross, drawCut, lengthOf } from "./cross_section";
+import { CurbPlace, curbAt, CutCell, cutAcross, drawCut, lengthOf, pointsAcross } from "./cross_section";
 
 export class Inspector {
   picked: [number, number] | null = null;  // m in map
@@ -22,6 +22,9 @@ export class Inspector {
     this.picked = place && cellAt(this.world, ...place) ? place : null;
     this.changed();
   }
+
+  /// Where a curb is selected, m in map; null: none is.
+  get cut(): [number, number] | null { return this.picked && curbAt(this.world, ...this.picked) ? this.picked : null; }
 
   show(theme: Theme, mode: Mode): void {
     const hit = this.picked && cellAt(this.world, ...this.picked);
@@ -71,7 +74,7 @@ export class Inspector {
       ["Line", metres(lengthOf(line))],
     ]);
     const cells = cutAcross(this.world, curb), [title, sentence] = meaningOf(curb, cells);
-    return [make("h4", title), ...sentence ? [make("p", sentence)] : [], drawCut(cells, curb, kind => colours[kind]), facts];
+    return [make("h4", title), ...sentence ? [make("p", sentence)] : [], drawCut(cells, pointsAcross(this.world, curb), curb, kind => colours[kind]), facts];
   }
 
   private distance(): [string, string][] {

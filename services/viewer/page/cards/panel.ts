@@ -1,19 +1,19 @@
 // The controls: colours with their legend, layers, theme, data of the vehicle.
 import { byId, fixed, list, make, metres, seconds, setText } from "../format";
-import { classColours, css, kClassNames, kModes, Mode, ramp, Theme } from "../drawing/palette";
+import { classColours, CloudColour, css, kClassNames, kCloudColours, kModes, cloudRamp, Mode, ramp, Rgb, Theme } from "../drawing/palette";
 import { kInk } from "../drawing/ink";
 import { Layers, Settings } from "../settings";
 import { Pose, State } from "../world";
 
 const kSvg = "http://www.w3.org/2000/svg";
 const kLayers: [keyof Layers, string][] =
-  [["grid", "Cells"], ["relief", "Relief"], ["curbs", "Curbs"], ["markings", "Paint"], ["path", "Path"], ["points", "LiDAR"], ["localized", "Localizer"]];
+  [["grid", "Cells"], ["relief", "Relief"], ["curbs", "Curbs"], ["markings", "Paint"], ["path", "Path"], ["points", "LiDAR"], ["cloud", "Cloud"], ["localized", "Localizer"]];
 const kPointColours: [Settings["points"], string][] = [["height", "Points by height"], ["intensity", "By intensity"]];
 /// The legend of the lines: layer, label, dashes.
 const kLineKeys: [keyof Layers, string, string][] =
   [["curbs", "Curb", "none"], ["curbs", "Lowered", "4 3"], ["curbs", "Inferred", "0.5 3.5"], ["path", "Driven", "none"], ["markings", "Road paint", "none"]];
 const kKeys: [string, string][] = [
-  ["F", "follow the vehicle"], ["N", "north or heading up"], ["T", "tilt"], ["M", "measure"], ["P", "save a picture"], ["L", "back to what is live"],
+  ["F", "follow the vehicle"], ["N", "north or heading up"], ["T", "tilt"], ["M", "measure"], ["C", "the dense cloud"], ["P", "save a picture"], ["L", "back to what is live"],
   ["Space", "pause, go on"], ["0", "the whole map"], ["H", "hide or show the panel"], ["+ −", "zoom"], ["Arrows", "move; with Shift tilt and turn"], ["Enter", "what is in the middle"], ["Esc", "close"],
   ["Drag", "move; right button: tilt"], ["Two fingers", "zoom; side by side upwards: tilt"], ["Long press", "what is there"]];
 const kDraw = 24;  // pixels a finger moves before it pulls the sheet
@@ -26,12 +26,14 @@ export class Panel {
     for (const [name, title] of kLayers) {
       const label = this.toggle(title, () => settings.layers[name], on => { settings.layers[name] = on; });
       label.dataset.layer = name;
+      if (name === "cloud") label.title = "The dense cloud within 33 m of the vehicle (C); up to 0.2 MB/s";
       byId("layers").append(label);
     }
     const paper = this.toggle("As in paper", () => settings.mode === "paper", on => { settings.mode = on ? "paper" : "class"; });
     paper.title = "Cells by class, in the colours of the paper's figures";
     byId("layers").append(paper);
     segments("point-colours", kPointColours, () => settings.points, colour => { settings.points = colour; changed(); });
+    segments("cloud-colours", kCloudColours, () => settings.cloud, colour => { settings.cloud = colour; changed(); });
     list(byId("keys"), kKeys);
     this.listen(byId("handle"));
   }
@@ -71,6 +73,8 @@ export class Panel {
     for (const refresh of refreshers) refresh();
     const { mode, look, layers } = this.settings;
     byId("point-colours").hidden = !layers.points;
+    byId("cloud").hidden = !layers.cloud;
+    byId("cloud-legend").replaceChildren(bar(cloudRamp(look, this.settings.cloud), cloudEnds(this.settings.cloud, range)));
     byId("line-keys").replaceChildren(...kLineKeys.filter(([layer]) => layers[layer]).map(([layer, title, dashes]) => lineKey(look, layer, title, dashes)));
     byId("legend").replaceChildren(mode === "class" || mode === "paper" ? keys(look, mode) : scale(mode, range));
   }
@@ -176,11 +180,19 @@ function lineKey(theme: Theme, layer: keyof Layers, title: string, dashes: strin
 }
 
 function scale(mode: Mode, [low, high]: [number, number]): HTMLElement {
-  const bar = make("div", "", "ramp");
-  bar.style.setProperty("--ramp", ramp(mode).map(css).join(","));
-  const [from, to] = mode === "height" ? [`${fixed(low, 1)} m`, `${fixed(high, 1)} m`] :
-    mode === "cost" ? ["free", "lethal"] : mode === "age" ? ["now", "10 min ago"] : ["none", "full"];
-  return make("div", "", "", bar, make("div", "", "ends", make("span", from), make("span", to)));
+  return bar(ramp(mode), mode === "height" ? [`${fixed(low, 1)} m`, `${fixed(high, 1)} m`] :
+    mode === "cost" ? ["free", "lethal"] : mode === "age" ? ["now", "10 min ago"] : ["none", "full"]);
+}
+
+function bar(colours: Rgb[], [from, to]: [string, string]): HTMLElement {
+  const made = make("div", "", "ramp");
+  made.style.setProperty("--ramp", colours.map(css).join(","));
+  return make("div", "", "", made, make("div", "", "ends", make("span", from), make("span", to)));
+}
+
+function cloudEnds(by: CloudColour, range: [number, number]): [string, string] {
+  if (by === "height") return range.map(m => `${fixed(m, 1)} m`) as [string, string];
+  return by === "intensity" ? ["faint", "bright"] : by === "surface" ? ["no surface", "a surface"] : ["no edge", "an edge"];
 }
 
 /// The summary line of the folded panel on a phone.

@@ -28,6 +28,8 @@ export class Camera implements View {
   roomWidth = 1;
   roomHeight = 1;
 
+  /// Of the area that no card covers, pixels.
+  get middle(): [number, number] { return [this.width / 2 + this.offsetX, this.height / 2 + this.offsetY]; }
   get isTilted(): boolean { return this.tilt > 0.005; }
   /// m, from the eye to the point looked at.
   get distance(): number { return kFocus * this.height / this.scale; }
@@ -81,6 +83,12 @@ export class Camera implements View {
     const [nowX, nowY] = this.toMap(sx, sy);
     this.x += x - nowX;
     this.y += y - nowY;
+  }
+
+  /// Moves the view by pixels.
+  step(right: number, down: number): void {
+    const [x, y] = this.middle;
+    this.hold(...this.toMap(x + right, y + down), x, y);
   }
 
   /// Clamps a scale to the useful range.

@@ -1,19 +1,21 @@
 // The map's cells and the LiDAR's points in WebGL2: the view from above; Relief draws the tilted one.
 import { Camera } from "./camera";
+import { CloudPoints } from "./cloud_points";
 import { kDistant, paintDistant } from "./distant";
 import { Painter } from "./painter";
 import { kCellsAside, kPageSize, Page } from "./page";
 import { Pages } from "./pages";
-import { classColours, kPaint, Mode, pointRamp, ramp, Rgb, Theme } from "./palette";
+import { classColours, CloudColour, kPaint, Mode, pointRamp, ramp, Rgb, Theme } from "./palette";
 import { Program, unit } from "./program";
-import { Relief } from "./relief";
+import { Relief } from "./tilted/relief";
 import { drawsInSoftware } from "./software";
 import { kFarFragment, kNearFragment, kPageFragment, kPageVertex, kPointFragment, kPointVertex } from "./shaders";
 import { kCellSize, Pose, World } from "../world";
 
 export interface Look {
-  theme: Theme; mode: Mode; grid: boolean; relief: boolean; points: boolean; curbs: boolean; markings: boolean;
+  theme: Theme; mode: Mode; grid: boolean; relief: boolean; points: boolean; cloud: boolean; curbs: boolean; markings: boolean;
   byIntensity: boolean;     // points; otherwise by height
+  cloudBy: CloudColour;
   range: [number, number];  // m, ends of the height ramp
   now: number;              // us, reference time of the ages
   grey: number;             // 0 .. 1: how stale the data are
@@ -34,6 +36,7 @@ export class Ground {
   private point!: Program;
   private points!: WebGLBuffer;
   private numPoints = 0;
+  private cloud!: CloudPoints;
   private lost = false;
 
   /// Throws if there is no WebGL2.
@@ -64,6 +67,7 @@ export class Ground {
     this.flat = { any, far: far.prepare(), near: near.prepare() };
     this.point = new Program(gl, kPointVertex, kPointFragment, ["point"]);
     this.points = gl.createBuffer()!;
+    this.cloud = new CloudPoints(gl, isSlow);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   }
@@ -85,6 +89,7 @@ export class Ground {
     } else if (look.grid) {
       this.drawPages(camera, look, paint);
     }
+    if (look.cloud) this.cloud.draw(world.cloud, camera, look, canvas.width / camera.width);
     if (look.points && pose && this.numPoints > 0) this.drawPoints(camera, look, pose);
     this.pages.forget();
   }

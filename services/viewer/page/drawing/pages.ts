@@ -1,7 +1,7 @@
 // The map's cells as textures, one set per page (a square of tiles). A page has the textures of its cells only while it
 // is seen close up.
 import { Area, Close, kCellsAside, kTilesAside, Page } from "./page";
-import { touch, touchBeside } from "./terrain";
+import { touch, touchBeside } from "./tilted/terrain";
 import { kCells, kNoHeight, kTileCells, Tile, World } from "../world";
 
 const kSizes = 1 + Math.floor(Math.log2(kCellsAside));  // mipmap levels of a picture

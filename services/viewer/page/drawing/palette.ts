@@ -49,6 +49,24 @@ const kPointRamps: Record<Theme, Rgb[]> = {
   dark: [[120, 136, 152], [140, 136, 168], [164, 136, 184], [188, 138, 194], [210, 140, 200], [230, 144, 204], [244, 148, 206], [255, 156, 210]],
 };
 
+/// What colours the dense cloud.
+export type CloudColour = "height" | "intensity" | "surface" | "line";
+export const kCloudColours: [CloudColour, string][] = [["height", "Height"], ["intensity", "Intensity"], ["surface", "Surface"], ["line", "Line"]];
+
+/// Eight colours from low, faint or none to high, bright or full. What stands out is dark on a light map, light on a dark one.
+export function cloudRamp(theme: Theme, by: CloudColour): Rgb[] {
+  if (by === "height" || by === "intensity") return kCloudRamps[by];
+  const [light, dark] = by === "surface" ? [kRamps.confidence, kCloudRamps.surface] : [kRamps.cost, kCloudRamps.line];
+  return theme === "light" ? light : dark;
+}
+
+const kCloudRamps: Record<CloudColour, Rgb[]> = {
+  height: kRamps.height,
+  intensity: [[0, 34, 78], [40, 62, 108], [84, 88, 108], [116, 116, 118], [150, 145, 118], [188, 175, 106], [226, 206, 84], [255, 234, 70]],
+  surface: [[34, 44, 54], [32, 60, 78], [30, 78, 104], [34, 100, 134], [52, 128, 164], [88, 160, 194], [132, 194, 220], [186, 228, 244]],
+  line: [[40, 40, 44], [70, 46, 40], [110, 56, 34], [156, 72, 28], [204, 100, 34], [240, 144, 60], [255, 190, 100], [255, 228, 164]],
+};
+
 export function css(colour: Rgb): string {
   return `rgb(${colour.join(" ")})`;
 }

@@ -62,6 +62,7 @@ export class Rewind {
     this.isPaused = false;
     this.shown.show(this.live.snapshot());
     this.shown.copied = this.live.copied;
+    this.shown.cloud = this.live.cloud;
     this.live = this.shown;
     this.changed(true);
   }
@@ -81,6 +82,7 @@ export class Rewind {
     this.live = new World();
     this.live.show(this.shown.snapshot());
     this.live.copied = this.shown.copied;
+    [this.live.cloud, this.shown.cloud] = [this.shown.cloud, this.live.cloud];
     this.round = performance.now();
     this.timer = setInterval(() => this.play(), kRound);
   }

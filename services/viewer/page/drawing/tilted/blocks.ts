@@ -1,7 +1,7 @@
 // Obstacles and walls as boxes. The map has the class of a cell but no object height: an obstacle is lower than the
 // vehicle, a wall is not. So boxes have one fixed height per class. Far away, one box stands for five by five cells.
-import { kTilesAside } from "./page";
-import { heightOf, kCells, kNoHeight, kTileCells, Tile, World } from "../world";
+import { kTilesAside } from "../page";
+import { heightOf, kCells, kNoHeight, kTileCells, Tile, World } from "../../world";
 
 const kObstacle = 3, kWall = 4;
 const kHighs = [0, 0, 0, 0.7, 2];  // m, per class

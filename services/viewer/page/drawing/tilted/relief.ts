@@ -1,16 +1,16 @@
 // The tilted view in WebGL2: the ground as meshes, obstacles and walls as boxes, curbs as walls of their height.
 // Distant parts are coarser; nothing is drawn beyond kReach.
 import { Blocks, kFaceFloats } from "./blocks";
-import { anchorAt, Camera, isNear } from "./camera";
+import { anchorAt, Camera, isNear } from "../camera";
 import { wallsOf } from "./curb_walls";
-import type { Paint } from "./ground";
-import { Boxes, kPageSize, kTilesAside, Page, Square } from "./page";
-import { Pages } from "./pages";
-import { stripsOf } from "./paint_strips";
-import { Program } from "./program";
+import type { Paint } from "../ground";
+import { Boxes, kPageSize, kTilesAside, Page, Square } from "../page";
+import { Pages } from "../pages";
+import { stripsOf } from "../paint_strips";
+import { Program } from "../program";
 import { kBlockFragment, kBlockVertex, kNetFragment, kNetVertex, kPlainNetFragment, kSolidFragment, kSolidVertex } from "./relief_shaders";
 import { netIndices, netPoints, Seen, squaresInView } from "./terrain";
-import { World } from "../world";
+import { World } from "../../world";
 
 const kReach = 6;             // times the eye's distance
 const kMaxNets = 600;         // bound of the kept ones

@@ -2,9 +2,9 @@
 // ground is drawn by small nodes and distant ground by large ones, so the number of triangles depends on the screen and
 // not on the map. The edge of a mesh is extended downwards a little, which closes the gap to a coarser one.
 import { Blocks } from "./blocks";
-import { Camera } from "./camera";
-import { kTilesAside, Page, Square } from "./page";
-import { kCells, kNoHeight, kTileSize, Tile } from "../world";
+import { Camera } from "../camera";
+import { kTilesAside, Page, Square } from "../page";
+import { kCells, kNoHeight, kTileSize, Tile } from "../../world";
 
 export const kLevels = 6;           // of squares: 1, 2 .. 32 tiles a side
 const kAside = kCells + 1;          // points along a side of a mesh

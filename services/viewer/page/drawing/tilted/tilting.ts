@@ -1,6 +1,6 @@
 // The transition between the view from above and the tilted view, and the height of the tilted view's pivot.
-import { heightAt, Pose, World } from "../world";
-import { Camera } from "./camera";
+import { heightAt, Pose, World } from "../../world";
+import { Camera } from "../camera";
 
 const kTilted = 0.96;  // rad, the tilt of the button
 const kLasts = 350;    // ms

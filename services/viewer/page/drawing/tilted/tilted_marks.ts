@@ -1,11 +1,11 @@
 // The marks in the tilted view: path, vehicles as boxes, selected and measured places; Canvas 2D. The ground does not
 // hide them.
-import { Layers } from "../settings";
-import { Camera } from "./camera";
-import { ellipseOf, fillOf, Ink, kInk } from "./ink";
-import { Theme } from "./palette";
-import { Sheet } from "./sheet";
-import { heightAt, kCellSize, Place, Pose, World } from "../world";
+import { Layers } from "../../settings";
+import { Camera } from "../camera";
+import { ellipseOf, fillOf, Ink, kInk } from "../ink";
+import { Theme } from "../palette";
+import { Sheet } from "../sheet";
+import { heightAt, kCellSize, Place, Pose, World } from "../../world";
 
 type Spot = [number, number];
 const kBody = [0.12, 0.75];   // m above the ground: the box's bottom and top

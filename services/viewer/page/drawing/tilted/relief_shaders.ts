@@ -1,5 +1,5 @@
 // GLSL of the tilted view: the ground as a mesh over the cells' heights, obstacles and walls as boxes, curbs as walls.
-import { kColourOf, kPicture } from "./shaders";
+import { kColourOf, kPicture } from "../shaders";
 
 export const kNetVertex = `#version 300 es
 precision highp float;

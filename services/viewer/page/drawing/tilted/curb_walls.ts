@@ -1,6 +1,6 @@
 // Curbs for the tilted view: a wall from the foot to the step's top, and a narrow kerbstone on it.
-import { Anchor } from "./camera";
-import { CurbLine } from "../world";
+import { Anchor } from "../camera";
+import { CurbLine } from "../../world";
 
 const kStone = 0.1;  // m, wide
 const kSide = 0.78, kTop = 1.06;  // brightness
