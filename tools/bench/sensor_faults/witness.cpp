@@ -44,12 +44,6 @@ void Witness::look(double t, const std::vector<replay::Stage>& stages) {
   }
 }
 
-std::vector<Said> Witness::in_order(const std::map<Key, Noted>& noted) {
-  std::vector<Said> said;
-  for (const auto& [key, one] : noted) said.push_back(one.said);
-  return sorted(std::move(said));
-}
-
 std::vector<Said> Witness::new_faults(const Witness& undisturbed, double from) const {
   std::vector<Said> said;
   for (const auto& [key, noted] : faults_) {

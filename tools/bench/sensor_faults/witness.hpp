@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tools/replay/vehicle.hpp"
@@ -25,11 +27,9 @@ class Witness {
   /// `t`: s of the drive, increasing.
   void look(double t, const std::vector<replay::Stage>& stages);
 
-  /// In the order in which they were first reported.
-  [[nodiscard]] std::vector<Said> faults() const { return in_order(faults_); }
-  [[nodiscard]] std::vector<Said> counters() const { return in_order(counters_); }
-  /// What this drive said and an undisturbed one did not: faults from `from` s on that were not reported there, or are
-  /// reported more than 2 s after that one's last report; counters that went beyond the undisturbed drive's.
+  /// What this drive said and an undisturbed one did not, in the order in which it was first reported: faults from
+  /// `from` s on that were not reported there, or are reported more than 2 s after that one's last report; counters
+  /// that went beyond the undisturbed drive's.
   [[nodiscard]] std::vector<Said> new_faults(const Witness& undisturbed, double from) const;
   [[nodiscard]] std::vector<Said> new_counters(const Witness& undisturbed, double from) const;
 
@@ -39,7 +39,6 @@ class Witness {
     Said said;
     std::vector<std::pair<double, std::int64_t>> seen;  // s, value: of each look with a report, or with a new value
   };
-  [[nodiscard]] static std::vector<Said> in_order(const std::map<Key, Noted>& noted);
 
   std::map<Key, Noted> faults_, counters_;
 };
