@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "tests/tools/bench/sensor_faults/catalogue/fault_helpers.hpp"
 
 namespace curbstone::bench::sensor_faults::catalogue {
