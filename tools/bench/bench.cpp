@@ -12,6 +12,7 @@
 #include "tools/bench/localisation/localisation_bench.hpp"
 #include "tools/bench/mapping/bench_mapping.hpp"
 #include "tools/bench/markings/bench_markings.hpp"
+#include "tools/bench/sensor_faults/sensor_faults_bench.hpp"
 #include "tools/bench/viewer/viewer_bench.hpp"
 #include "tools/bench/voting/voting_bench.hpp"
 #include "tools/command/run_subcommand.hpp"
@@ -37,12 +38,14 @@ const std::vector<Benchmark> kBenchmarks = {
     {"localisation", localisation::run_bench_localisation, "a vehicle of which nothing is known, found in a saved map"},
     {"drivers", drivers::run_bench_drivers, "packets, bytes and frames a second of the drivers on one core"},
     {"faults", faults::run_bench_faults, "what is lost when processes die, hang or starve in a drive"},
+    {"sensor-faults", sensor_faults::run_bench_sensor_faults,
+     "the map of a town, and what the services say, when a sensor is wrong"},
     {"viewer", viewer::run_bench_viewer, "what a page of the live map costs, and how soon and how often it draws"},
 };
 
 int usage(std::FILE* out) {
   fmt::print(out, "usage: curbstone bench NAME [OPTIONS]   (curbstone bench NAME --help says more)\n\n");
-  for (const auto& benchmark : kBenchmarks) fmt::print(out, "  {:<12} {}\n", benchmark.name, benchmark.summary);
+  for (const auto& benchmark : kBenchmarks) fmt::print(out, "  {:<13} {}\n", benchmark.name, benchmark.summary);
   return out == stdout ? 0 : 2;
 }
 

@@ -25,7 +25,7 @@ class VehicleLine {
   /// Ends the drive: all pending work is finished, stage by stage.
   void finish() { line_->finish(); }
 
-  /// Their nodes may be accessed before the first message and after finish().
+  /// Their nodes may be accessed before the first message and after finish(); without threads also in between.
   [[nodiscard]] const std::vector<Stage>& stages() const { return stages_; }
 
  private:

@@ -1,0 +1,35 @@
+#include "tools/bench/sensor_faults/catalogue/catalogue.hpp"
+
+#include <regex>
+#include <stdexcept>
+
+#include "tools/bench/sensor_faults/catalogue/imu_faults.hpp"
+#include "tools/bench/sensor_faults/catalogue/lidar_faults.hpp"
+#include "tools/bench/sensor_faults/catalogue/surroundings_faults.hpp"
+#include "tools/bench/sensor_faults/catalogue/vehicle_file_faults.hpp"
+#include "tools/bench/sensor_faults/catalogue/wheel_faults.hpp"
+
+namespace curbstone::bench::sensor_faults::catalogue {
+
+std::vector<Fault> all_faults() {
+  std::vector<Fault> all;
+  for (auto* faults : {vehicle_file_faults, wheel_faults, imu_faults, lidar_mount_faults, lidar_stamp_faults,
+                       lidar_return_faults, lidar_sight_faults, surroundings_faults}) {
+    for (Fault& fault : faults()) all.push_back(std::move(fault));
+  }
+  return all;
+}
+
+std::vector<Fault> faults_named(const std::string& regex) {
+  std::vector<Fault> faults = all_faults();
+  try {
+    const std::regex wanted(regex, std::regex::extended);
+    std::erase_if(faults, [&](const Fault& f) { return !std::regex_search(f.sensor + ": " + f.name, wanted); });
+  } catch (const std::regex_error&) {
+    throw std::runtime_error("'" + regex + "' is no regular expression");
+  }
+  if (faults.empty()) throw std::runtime_error("no fault's name matches '" + regex + "'");
+  return faults;
+}
+
+}  // namespace curbstone::bench::sensor_faults::catalogue
