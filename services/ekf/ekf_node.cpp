@@ -10,7 +10,7 @@
 #include "common/time/microseconds.hpp"
 #include "services/ekf/ekf_faults.hpp"
 #include "services/ekf/ekf_messages.hpp"
-#include "services/ekf/filter/state_file.hpp"
+#include "services/ekf/state/state_file.hpp"
 
 namespace curbstone::ekf {
 
@@ -36,7 +36,7 @@ EkfNode::EkfNode(const base::EkfConfig& config, Publisher& publisher)
       filter_(config),
       mounting_(config.vehicle) {
   if (config_.state_file.empty()) return;
-  if (const auto state = filter::load_state(config_.state_file)) filter_.inherit(*state);
+  if (const auto belief = state::load_state(config_.state_file)) filter_.inherit(*belief);
   state_keeper_.emplace(config_.state_file);
 }
 

@@ -10,7 +10,6 @@
 #include "common/resend/message_keeper.hpp"
 #include "common/shell/latency.hpp"
 #include "services/ekf/filter/rewinding_filter.hpp"
-#include "services/ekf/filter/state_keeper.hpp"
 #include "services/ekf/inputs/imu_outlier_filter.hpp"
 #include "services/ekf/inputs/map_increment.hpp"
 #include "services/ekf/inputs/running_clock.hpp"
@@ -20,6 +19,7 @@
 #include "services/ekf/inputs/stamp_smoother.hpp"
 #include "services/ekf/inputs/stuck_accelerometer.hpp"
 #include "services/ekf/mounting/mounting_watch.hpp"
+#include "services/ekf/state/state_keeper.hpp"
 
 namespace curbstone::ekf {
 
@@ -85,7 +85,7 @@ class EkfNode final : public Node {
   std::optional<model::Estimate> last_;
   std::int64_t now_ = 0;         // us, of the last tick
   std::int64_t state_kept_ = 0;  // us
-  std::optional<filter::StateKeeper> state_keeper_;
+  std::optional<state::StateKeeper> state_keeper_;
   std::vector<model::Estimate> estimates_;
 };
 

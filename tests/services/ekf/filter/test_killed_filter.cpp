@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "services/ekf/filter/filter.hpp"
-#include "services/ekf/filter/state_file.hpp"
+#include "services/ekf/state/state_file.hpp"
 #include "tests/services/ekf/simulated_drive.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -80,10 +80,10 @@ TEST_F(KilledFilterTest, TheNextOneGoesOnWhereverItsPredecessorWasKilled) {
     std::vector<model::Estimate> estimates;
     Filter killed(config_);
     drive_on(killed, drive_, 0.0, kill, estimates);
-    ASSERT_TRUE(save_state(file_, killed.belief()));
+    ASSERT_TRUE(state::save_state(file_, killed.belief()));
     estimates.clear();
     Filter next(config_);
-    next.inherit(*load_state(file_));
+    next.inherit(*state::load_state(file_));
     drive_on(next, drive_, kill + kDown, 14.0, estimates);
     EXPECT_EQ(next.counters()["starts.inherited"], 1);
     const Worst worst = worst_of(estimates, drive_, kill + kDown);
@@ -188,8 +188,8 @@ TEST_F(KilledFilterTest, AFileSaysExactlyWhatWasBelieved) {
   std::vector<model::Estimate> estimates;
   Filter filter(config_);
   drive_on(filter, drive_, 0.0, 6.0, estimates);
-  ASSERT_TRUE(save_state(file_, filter.belief()));
-  const auto loaded = load_state(file_);
+  ASSERT_TRUE(state::save_state(file_, filter.belief()));
+  const auto loaded = state::load_state(file_);
   ASSERT_TRUE(loaded);
   EXPECT_EQ(loaded->utime, filter.belief().utime);
   EXPECT_EQ(loaded->covariance, filter.belief().covariance);
@@ -197,12 +197,12 @@ TEST_F(KilledFilterTest, AFileSaysExactlyWhatWasBelieved) {
 }
 
 TEST_F(KilledFilterTest, ADamagedFileIsNone) {
-  EXPECT_FALSE(load_state(file_)) << "there is none";
-  EXPECT_FALSE(save_state(folder_ / "no" / "ekf.state", model::Belief{}));
+  EXPECT_FALSE(state::load_state(file_)) << "there is none";
+  EXPECT_FALSE(state::save_state(folder_ / "no" / "ekf.state", model::Belief{}));
   std::vector<model::Estimate> estimates;
   Filter filter(config_);
   drive_on(filter, drive_, 0.0, 3.0, estimates);
-  ASSERT_TRUE(save_state(file_, filter.belief()));
+  ASSERT_TRUE(state::save_state(file_, filter.belief()));
   std::ifstream in(file_, std::ios::binary);
   const std::string good(std::istreambuf_iterator<char>(in), {});
   const auto write = [&](const std::string& bytes) { std::ofstream(file_, std::ios::binary) << bytes; };
@@ -210,14 +210,14 @@ TEST_F(KilledFilterTest, ADamagedFileIsNone) {
     std::string bad = good;
     bad[i] = static_cast<char>(bad[i] ^ 0x10);
     write(bad);
-    EXPECT_FALSE(load_state(file_)) << "byte " << i;
+    EXPECT_FALSE(state::load_state(file_)) << "byte " << i;
   }
   for (const std::size_t size : {std::size_t{0}, std::size_t{8}, good.size() - 1}) {
     write(good.substr(0, size));
-    EXPECT_FALSE(load_state(file_));
+    EXPECT_FALSE(state::load_state(file_));
   }
   write(good + "x");
-  EXPECT_FALSE(load_state(file_));
+  EXPECT_FALSE(state::load_state(file_));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "services/ekf/filter/state_keeper.hpp"
+#include "services/ekf/state/state_keeper.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -9,10 +9,10 @@
 #include <iterator>
 #include <thread>
 
-#include "services/ekf/filter/state_file.hpp"
+#include "services/ekf/state/state_file.hpp"
 #include "tests/temporary_folder.hpp"
 
-namespace curbstone::ekf::filter {
+namespace curbstone::ekf::state {
 namespace {
 
 model::Belief belief_at(std::int64_t utime) {
@@ -63,4 +63,4 @@ TEST(StateKeeper, FailsUntilTheFolderIsThere) {
 }
 
 }  // namespace
-}  // namespace curbstone::ekf::filter
+}  // namespace curbstone::ekf::state

@@ -1,4 +1,4 @@
-#include "services/ekf/filter/state_file.hpp"
+#include "services/ekf/state/state_file.hpp"
 
 #include <zlib.h>
 
@@ -10,7 +10,7 @@
 
 #include "services/ekf/filter/covariance_inflation.hpp"
 
-namespace curbstone::ekf::filter {
+namespace curbstone::ekf::state {
 
 namespace {
 
@@ -70,9 +70,9 @@ std::optional<model::Belief> load_state(const std::string& path) {
   x.axle = mean[19];
   x.course = mean.segment<2>(20);
   belief.covariance = Eigen::Map<const model::ErrorMatrix>(file.covariance.data());
-  if (!is_finite(belief)) return std::nullopt;
+  if (!filter::is_finite(belief)) return std::nullopt;
   x.attitude.normalize();
   return belief;
 }
 
-}  // namespace curbstone::ekf::filter
+}  // namespace curbstone::ekf::state

@@ -1,10 +1,10 @@
-#include "services/ekf/filter/state_keeper.hpp"
+#include "services/ekf/state/state_keeper.hpp"
 
 #include <utility>
 
-#include "services/ekf/filter/state_file.hpp"
+#include "services/ekf/state/state_file.hpp"
 
-namespace curbstone::ekf::filter {
+namespace curbstone::ekf::state {
 
 StateKeeper::StateKeeper(std::string path)
     : path_(std::move(path)), thread_([this](const std::stop_token& stop) { write(stop); }) {}
@@ -33,4 +33,4 @@ void StateKeeper::write(const std::stop_token& stop) {
   }
 }
 
-}  // namespace curbstone::ekf::filter
+}  // namespace curbstone::ekf::state

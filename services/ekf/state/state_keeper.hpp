@@ -9,7 +9,7 @@
 
 #include "services/ekf/model/error_state.hpp"
 
-namespace curbstone::ekf::filter {
+namespace curbstone::ekf::state {
 
 /// Writes the filter's belief to its state file (state_file.hpp) in a thread of its own: a file system that flushes
 /// when a file is replaced (ext4) may block for a second, and odometry must not wait for it. If several beliefs arrive
@@ -41,4 +41,4 @@ class StateKeeper {
   std::jthread thread_;                  // declared last: it ends before the members that it uses
 };
 
-}  // namespace curbstone::ekf::filter
+}  // namespace curbstone::ekf::state
