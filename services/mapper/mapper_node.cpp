@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <curbstone/map_pose_t.hpp>
+#include <numbers>
 #include <utility>
 
 #include "common/bus/levels.hpp"
@@ -39,7 +40,11 @@ MapperNode::MapperNode(const config::MapperConfig& config, Publisher& bus)
       sender_(bus) {
   if (!config_.folder.empty() && config_.mode != config::MapMode::kLocalise)
     saver_.emplace(config_.folder, config_.save_every);
-  if (!resume_drive() && config_.mode != config::MapMode::kMap) begin_map();
+  if (resume_drive()) return;
+  if (config_.mode != config::MapMode::kMap)
+    begin_map();
+  else
+    yaw_at_start_.emplace(config_.vehicle.T_base_lidar().translation());
 }
 
 void MapperNode::connect(Subscriber& bus) {
@@ -106,7 +111,10 @@ void MapperNode::process(scan::Scan scan) {
   keep_pose(*update);
   has_unsent_ = true;
   is_pause_ = false;
-  if (update->wants_new_drive) begin_new_drive();
+  if (update->wants_new_drive)
+    begin_new_drive("the vehicle was lost and is not to be found in what this drive had mapped");
+  else if (yaw_at_start_)
+    check_lidar_yaw(*update);
 }
 
 /// While odometry coasts on the wheels, its turn is not compared with the LiDAR's.
@@ -123,6 +131,14 @@ void MapperNode::monitor_sensors(const MapperUpdate& update) {
     return sensor_monitor_.interrupt();
   const bool is_fully_constrained = (update.registration.degenerate & registration::kPlanarAxes) == 0;
   sensor_monitor_.add({update.utime, update.points.get(), update.T_map_base, T_odom_base, is_fully_constrained});
+}
+
+/// Measures the LiDAR's yaw over the first metres of a new map, while odometry has a gyro.
+void MapperNode::check_lidar_yaw(const MapperUpdate& update) {
+  const scan::OdometryHistory& odometry = input_.odometry();
+  if (!update.with_odometry || !odometry.with_gyro(update.utime - kGyroWindow, update.utime))
+    return yaw_at_start_->interrupt();
+  if (const auto yaw = yaw_at_start_->add(update.utime, *update.points, odometry.at(update.utime))) turn_lidar(*yaw);
 }
 
 void MapperNode::begin_epoch(std::int64_t utime) {
@@ -261,6 +277,13 @@ NodeReport MapperNode::report() const {
   if (journal_ && !journal_->fault().empty()) report.faults.push_back(journal_->fault());
   if (!why_new_map_.empty() && last_end_ - input_.first_start() < kReportedFor) report.faults.push_back(why_new_map_);
   input_.add_packet_faults(report.faults);
+  if (lidar_turned_ != 0) {
+    report.faults.push_back(fmt::format(
+        "LiDAR: by the first metres driven it looks {:.1f} deg to the {} of what vehicle.lidar says, and is used so: "
+        "straighten it, or set its yaw to {:.3f}",
+        std::abs(lidar_turned_) * 180 / std::numbers::pi, lidar_turned_ > 0 ? "left" : "right",
+        std::remainder(config_.vehicle.lidar[5], 2 * std::numbers::pi)));
+  }
   sensor_monitor_.add_faults(report.faults);
   mapper_->add_faults(report.faults);
   input_.add_odometry_faults(report.faults, epoch_ != 0, last_end_);

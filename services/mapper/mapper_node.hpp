@@ -12,6 +12,7 @@
 #include "services/mapper/journal/drive_journal.hpp"
 #include "services/mapper/map_sender.hpp"
 #include "services/mapper/mapper.hpp"
+#include "services/mapper/mounting/yaw_at_start.hpp"
 #include "services/mapper/scan/scan_synchronizer.hpp"
 #include "services/mapper/storage/map_saver.hpp"
 
@@ -54,10 +55,14 @@ class MapperNode final : public Node {
   void take_changes(std::int64_t now);
   void send_changes(std::int64_t now);
   void send_index(std::int64_t now);
-  void begin_new_drive();
+  /// `why` of a fault that says so.
+  void begin_new_drive(const std::string& why);
+  void check_lidar_yaw(const MapperUpdate& update);
+  void turn_lidar(double yaw);
   void keep_map();
   void keep_map_at_the_end();
   void begin_map();
+  void open_journal();
   [[nodiscard]] bool resume_drive();
   void keep_pose(const MapperUpdate& update);
 
@@ -69,6 +74,8 @@ class MapperNode final : public Node {
   std::shared_ptr<SpillFile> spill_file_;  // tiles and keyframe scans far from the vehicle
   std::optional<Mapper> mapper_;           // always has a value
   detection::SensorMonitor sensor_monitor_;
+  std::optional<mounting::YawAtStart> yaw_at_start_;    // of a new map
+  double lidar_turned_ = 0;                             // rad, by which the yaw in vehicle.lidar was corrected
   std::int64_t last_end_ = 0;                           // us, of the last scan processed
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();  // m in map, after that scan
   bool is_pause_ = false;                               // a tick has passed since that scan was processed

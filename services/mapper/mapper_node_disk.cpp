@@ -13,6 +13,21 @@
 /// MapperNode: the map and the drive on disk.
 
 namespace curbstone::mapper {
+namespace {
+
+constexpr double kLargeYaw = 0.17;  // rad
+
+std::size_t journal_bytes(const config::MapperConfig& config) {
+  return static_cast<std::size_t>(config.journal_mb * 1e6);
+}
+
+std::string journal_hash(const config::MapperConfig& mapper) {
+  ConfigOf<config::MapperConfig> config;
+  config.value = mapper;
+  return config_hash("mapper", config);
+}
+
+}  // namespace
 
 /// Loads the map of an earlier drive.
 void MapperNode::begin_map() {
@@ -30,14 +45,14 @@ void MapperNode::begin_map() {
   if (saver_) saver_->set_loaded(mapper_->snapshot(map.epoch, {}).versions);
 }
 
+void MapperNode::open_journal() {
+  journal_.emplace(config_.journal, journal_bytes(config_), journal_hash(config_));
+}
+
 /// Continues the drive of a mapper that was killed a short time ago. True if there is one.
 bool MapperNode::resume_drive() {
   if (config_.journal.empty()) return false;
-  ConfigOf<config::MapperConfig> config;
-  config.value = config_;
-  const std::string hash = config_hash("mapper", config);
-  const auto max_bytes = static_cast<std::size_t>(config_.journal_mb * 1e6);
-  journal_.emplace(config_.journal, max_bytes, hash);
+  open_journal();
   const std::optional<double> age = journal::age_of_journal(config_.journal);
   if (!age) return false;
   if (std::abs(*age) > config_.resume_within_s) {
@@ -46,7 +61,7 @@ bool MapperNode::resume_drive() {
   }
   try {
     std::optional<journal::RecordedDrive> drive =
-        journal::read_journal(config_.journal, max_bytes, hash, spill_file_.get());
+        journal::read_journal(config_.journal, journal_bytes(config_), journal_hash(config_), spill_file_.get());
     if (!drive) return false;
     epoch_before_ = drive->epoch;
     const std::int64_t settled = drive->poses.back().utime - std::llround(1e6 * config_.dense.settled_after());
@@ -63,14 +78,14 @@ bool MapperNode::resume_drive() {
   }
 }
 
-/// Begins another map in a frame of its own: the vehicle is out of sight of the map of this drive, and its motion in
-/// between was not measured. The earlier map stays on disk in a renamed folder, and semantic_map keeps its file.
-void MapperNode::begin_new_drive() {
+/// Begins another map in a frame of its own. The earlier map stays on disk in a renamed folder, and semantic_map keeps
+/// its file.
+void MapperNode::begin_new_drive(const std::string& why) {
   if (saver_ && saver_->busy()) return;  // the next scan tries again
   counters_.add("new_drives");
   const Counters method = mapper_->counters();
   for (const auto& [name, value] : method.values()) counters_.add(name, value);
-  why_new_map_ = "a new map begins: the vehicle was lost and is not to be found in what this drive had mapped";
+  why_new_map_ = "a new map begins: " + why;
   if (saver_) {
     (void)mapper_->finish();
     const std::vector<TrajectoryPoint> drive = mapper_->trajectory();
@@ -85,6 +100,22 @@ void MapperNode::begin_new_drive() {
   resumed_drive_.clear();
   start_drive_.clear();
   input_.begin_drive(last_end_);
+}
+
+/// The LiDAR looks `yaw` (rad) to the left of what vehicle.lidar says: begins the map again with that. A mapper that
+/// continued the drive would not know it, so the journal is that of another configuration. A large error falsified the
+/// de-skew, too, and with it the measurement: that is repeated.
+void MapperNode::turn_lidar(double yaw) {
+  counters_.add("lidar_turned");
+  if (saver_) saver_->finish();
+  lidar_turned_ += yaw;
+  config_.vehicle.lidar[5] += yaw;
+  begin_new_drive("the LiDAR looks aside of what vehicle.lidar says");
+  sensor_monitor_ = detection::SensorMonitor(config_.vehicle);
+  if (journal_) open_journal();
+  yaw_at_start_.reset();
+  if (std::abs(yaw) > kLargeYaw)
+    yaw_at_start_.emplace(config_.vehicle.T_base_lidar().translation(), mounting::YawAtStart::kWrongAgain);
 }
 
 /// Saves the map every `save_every` of message time. Only changes are copied here; another thread writes them.

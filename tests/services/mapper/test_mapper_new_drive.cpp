@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <numbers>
 #include <numeric>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "services/mapper/mapper_node.hpp"
 #include "services/mapper/storage/map_folder.hpp"
 #include "tests/services/mapper/mapper_drive.hpp"
+#include "tests/services/mapper/mounting/avenue.hpp"
 #include "tests/services/mapper/round_street.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -120,7 +122,9 @@ class MapperNodeNewDrive : public ::testing::Test {
         pose_to_arrays(trajectory(odometry_began_).inverse() * trajectory(odometry_sent_), m.position, m.orientation);
         bus_->publish("ODOMETRY", m);
       }
-      for (const auto& packet : world.packets(trajectory, config_.vehicle.T_base_lidar(), n, n * kPeriod, kPeriod))
+      const Pose T_base_lidar =
+          config_.vehicle.T_base_lidar().rotate(Eigen::AngleAxisd(lidar_yaw_, Eigen::Vector3d::UnitZ()));
+      for (const auto& packet : world.packets(trajectory, T_base_lidar, n, n * kPeriod, kPeriod))
         bus_->publish("LIDAR_POINTS", packet);
       bus_->dispatch();
       for (int k = 0; k < 2; ++k) node_->tick(utime(n * kPeriod + 0.02 * k));
@@ -145,6 +149,7 @@ class MapperNodeNewDrive : public ::testing::Test {
   std::map<std::int32_t, int> announced_;  // poses of the drive, in each epoch
   std::int32_t epoch_before_ = 0;
   int turn_ = 0;
+  double lidar_yaw_ = 0;  // rad, that the file does not know
   double odometry_began_ = 0;
   double odometry_sent_ = -0.1;
 };
@@ -185,6 +190,39 @@ TEST_F(MapperNodeNewDrive, IsAnotherMapInAFrameOfItsOwnAndTheEarlierOneStays) {
     ++kept;
   }
   EXPECT_EQ(kept, 2U);
+}
+
+/// Odometry leads through the avenue, and nothing else does.
+TEST_F(MapperNodeNewDrive, IsBegunWithTheLidarTurnedWhereItLooksAsideFromTheStart) {
+  for (const double degrees : {3.0, 180.0}) {
+    poses_.clear();
+    turn_ = 0;
+    odometry_sent_ = -0.1;
+    lidar_yaw_ = degrees * std::numbers::pi / 180;
+    start();
+    drive(120, test::avenue(40), [](double t) { return test::pose(3 * t, 0, 0, 0, 0, 0); });
+    const NodeReport report = node_->report();
+    EXPECT_GE(report.counters["lidar_turned"], 1) << degrees;
+    EXPECT_EQ(report.counters["new_drives"], report.counters["lidar_turned"]);
+    EXPECT_THAT(report.faults, Contains(HasSubstr("of what vehicle.lidar says, and is used so"))) << degrees;
+    const map_pose_t& last = poses_.back();
+    const auto first =
+        std::find_if(poses_.begin(), poses_.end(), [&](const auto& pose) { return pose.epoch == last.epoch; });
+    EXPECT_EQ(last.flags & map_pose_t::LOST, 0);
+    const Pose driven = pose_from_arrays(first->map_base_position, first->map_base_orientation).inverse() *
+                        pose_from_arrays(last.map_base_position, last.map_base_orientation);
+    const double metres = 3e-6 * static_cast<double>(last.utime - first->utime);
+    EXPECT_GT(metres, 4.0);
+    EXPECT_NEAR(driven.translation().x(), metres, 0.3) << degrees;
+    EXPECT_NEAR(driven.translation().y(), 0.0, 0.05) << degrees;
+    EXPECT_LT(angle_of(driven), 0.01) << degrees;
+  }
+}
+
+TEST_F(MapperNodeNewDrive, IsNotBegunWhereTheLidarLooksAhead) {
+  start();
+  drive(80, test::avenue(40), [](double t) { return test::pose(3 * t, 0, 0, 0, 0, 0); });
+  EXPECT_EQ(node_->report().counters["new_drives"], 0);
 }
 
 TEST_F(MapperNodeNewDrive, IsWhatTheJournalIsOf) {
