@@ -114,7 +114,7 @@ void MapperNode::process(scan::Scan scan) {
   if (update->wants_new_drive)
     begin_new_drive("the vehicle was lost and is not to be found in what this drive had mapped");
   else if (yaw_at_start_)
-    check_lidar_yaw(*update);
+    check_lidar(*update);
 }
 
 /// While odometry coasts on the wheels, its turn is not compared with the LiDAR's.
@@ -133,8 +133,9 @@ void MapperNode::monitor_sensors(const MapperUpdate& update) {
   sensor_monitor_.add({update.utime, update.points.get(), update.T_map_base, T_odom_base, is_fully_constrained});
 }
 
-/// Measures the LiDAR's yaw over the first metres of a new map, while odometry has a gyro.
-void MapperNode::check_lidar_yaw(const MapperUpdate& update) {
+/// Over the first metres of a new map: whether the LiDAR is upside down; its yaw, while odometry has a gyro.
+void MapperNode::check_lidar(const MapperUpdate& update) {
+  if (sensor_monitor_.is_upside_down() && !lidar_turned_over_) return turn_lidar_over();
   const scan::OdometryHistory& odometry = input_.odometry();
   if (!update.with_odometry || !odometry.with_gyro(update.utime - kGyroWindow, update.utime))
     return yaw_at_start_->interrupt();
@@ -277,6 +278,9 @@ NodeReport MapperNode::report() const {
   if (journal_ && !journal_->fault().empty()) report.faults.push_back(journal_->fault());
   if (!why_new_map_.empty() && last_end_ - input_.first_start() < kReportedFor) report.faults.push_back(why_new_map_);
   input_.add_packet_faults(report.faults);
+  if (lidar_turned_over_)
+    report.faults.emplace_back(
+        "LiDAR: it is upside down by what vehicle.lidar says, and is used so: add 3.1416 to its roll there");
   if (lidar_turned_ != 0) {
     report.faults.push_back(fmt::format(
         "LiDAR: by the first metres driven it looks {:.1f} deg to the {} of what vehicle.lidar says, and is used so: "

@@ -57,8 +57,10 @@ class MapperNode final : public Node {
   void send_index(std::int64_t now);
   /// `why` of a fault that says so.
   void begin_new_drive(const std::string& why);
-  void check_lidar_yaw(const MapperUpdate& update);
+  void check_lidar(const MapperUpdate& update);
   void turn_lidar(double yaw);
+  void turn_lidar_over();
+  void begin_with_other_lidar(const std::string& why);
   void keep_map();
   void keep_map_at_the_end();
   void begin_map();
@@ -75,6 +77,7 @@ class MapperNode final : public Node {
   std::optional<Mapper> mapper_;           // always has a value
   detection::SensorMonitor sensor_monitor_;
   std::optional<mounting::YawAtStart> yaw_at_start_;    // of a new map
+  bool lidar_turned_over_ = false;                      // the roll in vehicle.lidar was corrected by half a turn
   double lidar_turned_ = 0;                             // rad, by which the yaw in vehicle.lidar was corrected
   std::int64_t last_end_ = 0;                           // us, of the last scan processed
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();  // m in map, after that scan

@@ -34,6 +34,8 @@ class SensorMonitor {
   /// Reports that poses from now on are in another map.
   void begin_map() { lag_.interrupt(); }
 
+  /// See GroundInSight.
+  [[nodiscard]] bool is_upside_down() const { return ground_.is_upside_down(); }
   void add_faults(std::vector<std::string>& faults) const;
   void add_counters(Counters& counters) const;
 

@@ -99,7 +99,7 @@ std::ptrdiff_t GroundInSight::count_ground(const scan::Scan& scan, bool upside_d
     const float uneven = kUneven + kSlope * range;
     const std::size_t sector = sector_of(p);
     if (z > uneven + kTall && z < kOverhead) tall[sector] = std::min(tall[sector], range);
-    if (std::abs(z) < uneven) ground.emplace_back(sector, range);
+    if (std::abs(z) < uneven && uneven < 0.5F * lidar) ground.emplace_back(sector, range);
   }
   return std::ranges::count_if(ground, [&](const auto& seen) { return seen.second < tall[seen.first] - kBefore; });
 }

@@ -22,8 +22,8 @@ namespace curbstone::mapper::returns {
 /// close all around, there is no verdict; nor for a LiDAR below kLowest, whose rings on the ground are too far apart.
 ///
 /// A LiDAR that hangs upside down, contrary to its vehicle's file, shows the ground as high above itself as it should
-/// be below: kManyAbove of its returns, and hardly any where the ground should be. A ceiling differs in that there is a
-/// floor below it.
+/// be below: kManyAbove of its returns, and few where the ground should be. Only where both can be told apart, within
+/// some 12 m. A ceiling differs in that there is a floor below it.
 ///
 /// Status only. A function of the calls. Pure; one thread. Counters: faults.no_ground, faults.lidar.upside_down (times
 /// that the fault began).
@@ -37,7 +37,7 @@ class GroundInSight {
   static constexpr float kNear = 6.0F;       ///< m
   static constexpr double kLowest = 0.6;     ///< m above the ground
   static constexpr double kManyAbove = 0.1;  ///< of the returns
-  static constexpr double kFewBelow = 0.2;   ///< of those above
+  static constexpr double kFewBelow = 0.4;   ///< of those above; 0.1 to 0.2 of a town's
 
   explicit GroundInSight(const Pose& T_base_lidar);
 

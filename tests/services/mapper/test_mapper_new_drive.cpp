@@ -122,8 +122,8 @@ class MapperNodeNewDrive : public ::testing::Test {
         pose_to_arrays(trajectory(odometry_began_).inverse() * trajectory(odometry_sent_), m.position, m.orientation);
         bus_->publish("ODOMETRY", m);
       }
-      const Pose T_base_lidar =
-          config_.vehicle.T_base_lidar().rotate(Eigen::AngleAxisd(lidar_yaw_, Eigen::Vector3d::UnitZ()));
+      const Pose T_base_lidar = config_.vehicle.T_base_lidar() * test::pose(0, 0, 0, lidar_roll_, 0, 0) *
+                                test::pose(0, 0, 0, 0, 0, lidar_yaw_);
       for (const auto& packet : world.packets(trajectory, T_base_lidar, n, n * kPeriod, kPeriod))
         bus_->publish("LIDAR_POINTS", packet);
       bus_->dispatch();
@@ -149,7 +149,7 @@ class MapperNodeNewDrive : public ::testing::Test {
   std::map<std::int32_t, int> announced_;  // poses of the drive, in each epoch
   std::int32_t epoch_before_ = 0;
   int turn_ = 0;
-  double lidar_yaw_ = 0;  // rad, that the file does not know
+  double lidar_yaw_ = 0, lidar_roll_ = 0;  // rad, that the file does not know
   double odometry_began_ = 0;
   double odometry_sent_ = -0.1;
 };
@@ -217,6 +217,19 @@ TEST_F(MapperNodeNewDrive, IsBegunWithTheLidarTurnedWhereItLooksAsideFromTheStar
     EXPECT_NEAR(driven.translation().y(), 0.0, 0.05) << degrees;
     EXPECT_LT(angle_of(driven), 0.01) << degrees;
   }
+}
+
+TEST_F(MapperNodeNewDrive, IsBegunWithTheLidarTurnedOverWhereItHangsUpsideDown) {
+  lidar_roll_ = std::numbers::pi;
+  start();
+  drive(140, test::street(), [](double t) { return test::pose(0.5 * t, 0, 0, 0, 0, 0); });
+  const NodeReport report = node_->report();
+  EXPECT_EQ(report.counters["lidar_turned_over"], 1);
+  EXPECT_EQ(report.counters["lidar_turned"], 0);
+  EXPECT_THAT(report.faults, Contains(HasSubstr("upside down by what vehicle.lidar says, and is used so")));
+  EXPECT_EQ(poses_.back().flags & map_pose_t::LOST, 0);
+  const Pose T_map_base = pose_from_arrays(poses_.back().map_base_position, poses_.back().map_base_orientation);
+  EXPECT_LT(angle_of(T_map_base), 0.02) << "base_link is the right way up";
 }
 
 TEST_F(MapperNodeNewDrive, IsNotBegunWhereTheLidarLooksAhead) {
