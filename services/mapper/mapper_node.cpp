@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kMaxScansPerTick = 5;  // scans processed per call
 constexpr std::int64_t kIndexPeriod = 1'000'000;
+constexpr double kStartOfDrive = 50;               // m from its origin, within which a map may begin again
 constexpr std::int64_t kGyroWindow = 100'000;      // us before the end of a scan in which a gyro must have measured
 constexpr std::int64_t kReportedFor = 60'000'000;  // us of the drive for which an event is reported
 
@@ -135,6 +136,7 @@ void MapperNode::monitor_sensors(const MapperUpdate& update) {
 
 /// Over the first metres of a new map: whether the LiDAR is upside down; its yaw, while odometry has a gyro.
 void MapperNode::check_lidar(const MapperUpdate& update) {
+  if (update.T_map_base.translation().norm() > kStartOfDrive) return yaw_at_start_.reset();
   if (sensor_monitor_.is_upside_down() && !lidar_turned_over_) return turn_lidar_over();
   const scan::OdometryHistory& odometry = input_.odometry();
   if (!update.with_odometry || !odometry.with_gyro(update.utime - kGyroWindow, update.utime))

@@ -92,7 +92,7 @@ void MapperNode::begin_new_drive(const std::string& why) {
     const std::vector<TrajectoryPoint> drive = mapper_->trajectory();
     const std::int64_t began = drive.empty() ? last_end_ : drive.front().utime;
     const auto beside = saver_->set_aside(mapper_->snapshot(epoch_, saver_->on_disk()), began);
-    why_new_map_ += fmt::format(", which stays in {}", beside.string());
+    why_new_map_ += fmt::format("; the earlier one stays in {}", beside.string());
   }
   mapper_.emplace(config_, spill_file_);
   sensor_monitor_.begin_map();
