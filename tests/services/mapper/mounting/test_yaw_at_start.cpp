@@ -4,10 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <filesystem>
 #include <numbers>
+#include <string>
 
+#include "services/mapper/scan/deskew.hpp"
+#include "tests/paths.hpp"
 #include "tests/services/mapper/mapper_drive.hpp"
 #include "tests/services/mapper/mounting/avenue.hpp"
+#include "tools/bench/mapping/drives/scan_drive.hpp"
 
 namespace curbstone::mapper::mounting {
 namespace {
@@ -74,6 +80,42 @@ TEST_F(YawAtStartTest, ItIsMeasuredOverTheFirstMetresOnly) {
 TEST_F(YawAtStartTest, WhereNothingStandsItIsUnknown) {
   world_ = test::plain();
   EXPECT_FALSE(found(10 * kOneDegree, 24));
+}
+
+/// A recorded street, begun at several places of it; odometry is the recording's reference.
+TEST(YawAtStart, IsRightInARecordedStreet) {
+  const std::string folder = test::data_path("kitti0005_rs16");
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
+  const bench::mapping::drives::ScanDrive drive(folder, folder + "/reference_poses.txt", folder + "/times.txt");
+  const evaluate::truth::Trajectory& truth = drive.truth();
+  const Pose T_base_lidar = test::default_lidar();
+  const auto found_from = [&](std::size_t begin, double yaw) {
+    const Pose turn = test::pose(0, 0, 0, 0, 0, -yaw);  // the LiDAR is above base_link
+    YawAtStart of(T_base_lidar.translation());
+    std::optional<double> found;
+    for (std::size_t i = begin; i + 1 < truth.size() && !found; ++i) {
+      const double stride = 1e-6 * static_cast<double>(truth[i + 1].utime - truth[i].utime);
+      const scan::Twist twist = scan::twist_of(truth[i].pose.inverse() * truth[i + 1].pose, stride);
+      const scan::Scan scan = drive.scan(i);
+      const double sweep = 1e-6 * static_cast<double>(scan.end - scan.start);
+      auto points = scan::deskew(scan.points, Pose::Identity(), scan::steady_sweep(twist, sweep));
+      for (scan::LidarPoint& point : points)
+        point.position = (turn * T_base_lidar * point.position.cast<double>()).cast<float>();
+      const Pose T_odom_lidar = truth[i].pose * scan::move(twist, 0.5 * sweep);
+      found = of.add(scan.end, points, T_base_lidar * T_odom_lidar * T_base_lidar.inverse());
+    }
+    return found;
+  };
+  for (std::size_t begin = 0; begin < 120; begin += 15) {
+    EXPECT_FALSE(found_from(begin, 0)) << begin;
+    for (const double degrees : {4.0, -10.0, 180.0}) {
+      const auto yaw = found_from(begin, degrees * kOneDegree);
+      ASSERT_TRUE(yaw) << begin << ' ' << degrees;
+      const double off = std::remainder(*yaw - degrees * kOneDegree, 2 * std::numbers::pi);
+      std::printf("[ figure ] from scan %zu: %.1f deg is found as %.2f deg more\n", begin, degrees, off / kOneDegree);
+      EXPECT_LT(std::abs(off), kOneDegree) << begin << ' ' << degrees;
+    }
+  }
 }
 
 }  // namespace
