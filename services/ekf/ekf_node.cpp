@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 #include <variant>
 
 #include "common/bus/levels.hpp"
@@ -20,7 +19,6 @@ constexpr std::int64_t kStatePeriod = 100'000;  // us
 constexpr std::int64_t kSilence = 1'000'000;    // us without a message that count as a fault
 constexpr int kGarbageRun = 20;                 // consecutive refused messages that count as a fault
 constexpr std::int32_t kMaxLoss = 100'000;      // a larger step of a sequence is a restart, not a loss
-constexpr double kTurnStep = 0.1;               // rad, by which a newly measured yaw of the IMU must differ
 
 }  // namespace
 
@@ -36,7 +34,10 @@ EkfNode::EkfNode(const base::EkfConfig& config, Publisher& publisher)
       filter_(config),
       mounting_(config.vehicle) {
   if (config_.state_file.empty()) return;
-  if (const auto belief = state::load_state(config_.state_file)) filter_.inherit(*belief);
+  if (const auto belief = state::load_state(config_.state_file)) {
+    filter_.inherit(*belief);
+    mounting_.begin_with(belief->imu_turn);
+  }
   state_keeper_.emplace(config_.state_file);
 }
 
@@ -144,20 +145,7 @@ std::optional<inputs::Sequencer::Sample> EkfNode::usable_of(const inputs::Sequen
   }
   base::ImuSample imu = *measured;
   if (mounting_.gyro_is_wrong()) imu.stuck.fill(true);
-  turn(imu);
-  return imu;
-}
-
-/// As an IMU shows it that is mounted as vehicle.imu says. Small changes of the measured yaw are not followed.
-void EkfNode::turn(base::ImuSample& imu) {
-  const double wanted = mounting_.imu_turn();
-  if (std::abs(std::remainder(wanted - imu_turn_, 2.0 * std::numbers::pi)) > kTurnStep) imu_turn_ = wanted;
-  if (imu_turn_ == 0.0) return;
-  const Eigen::Matrix3d R_base_imu = config_.vehicle.T_base_imu().linear();
-  const Eigen::Matrix3d turn = R_base_imu.transpose() * rotation_from_rpy(0.0, 0.0, imu_turn_) * R_base_imu;
-  imu.angular_rate = turn * imu.angular_rate;
-  imu.acceleration = turn * imu.acceleration;
-  imu.turned = imu_turn_;
+  return mounting_.turned(imu);
 }
 
 void EkfNode::check_mounting(const inputs::Sequencer::Sample& sample) {

@@ -56,7 +56,6 @@ class EkfNode final : public Node {
   void run(bool drain);
   void check_mounting(const inputs::Sequencer::Sample& sample);
   [[nodiscard]] std::optional<inputs::Sequencer::Sample> usable_of(const inputs::Sequencer::Sample& sample);
-  void turn(base::ImuSample& imu);
   void publish(const model::Estimate& estimate);
   void count_lost_messages(Input& input, std::int32_t sequence);
   void refuse(Input& input, const char* cause);
@@ -75,7 +74,6 @@ class EkfNode final : public Node {
   inputs::ShakenImu shaken_imu_;
   filter::RewindingFilter filter_;
   mounting::MountingWatch mounting_;
-  double imu_turn_ = 0.0;  // rad, by which the IMU's samples are turned
   Counters counters_;
   LatencyWindow latency_;
   Input imu_{"IMU", 0, {}, 0};

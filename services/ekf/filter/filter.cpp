@@ -50,12 +50,11 @@ model::TimedInertial Filter::in_body(const base::ImuSample& sample) const {
 void Filter::add(const base::ImuSample& measured, std::vector<model::Estimate>& out) {
   update_noise(measured);
   const base::ImuSample sample = axes_.add(measured);
-  const double more = sample.turned - std::exchange(turned_, sample.turned);
-  if (started_ && more != 0.0) turn_imu(more);
   if (!started_) {
     start(sample);
     if (!started_) return;
   }
+  if (sample.turned != belief_.imu_turn) turn_imu(sample.turned);
   const model::TimedInertial next = in_body(sample);
   const double gap = base::seconds_between(belief_.utime, sample.utime);
   if (gap < 0.0 || gap > config_->timing.max_jump) restart_clock(sample.utime);
@@ -169,19 +168,20 @@ void Filter::start(const base::ImuSample& sample) {
     still_.add(sample);
     return;
   }
-  begin(*first);
+  begin(*first, sample.turned);
 }
 
 void Filter::start(const base::WheelSample& sample) {
   odometer_.add(sample);
   const std::optional<model::Belief> first = start_up_.add(sample);
   if (continue_from_predecessor(sample)) return;
-  if (first) begin(*first);
+  if (first) begin(*first, 0.0);
 }
 
-void Filter::begin(const model::Belief& first) {
+void Filter::begin(const model::Belief& first, double imu_turn) {
   counters_.add(name_of(start_up_.kind()));
   belief_ = last_good_ = first;
+  belief_.imu_turn = last_good_.imu_turn = imu_turn;
   started_ = true;
   standing_ = start_up_.kind() == detection::StartUp::Kind::kStanding;
   level_.begin(standing_, first.utime);

@@ -91,13 +91,13 @@ class Filter {
   void update_noise(const base::ImuSample& sample);
   void start(const base::ImuSample& sample);
   void start(const base::WheelSample& sample);
-  void begin(const model::Belief& first);
+  void begin(const model::Belief& first, double imu_turn);
   [[nodiscard]] bool continue_from_predecessor(const base::ImuSample& sample);
   [[nodiscard]] bool continue_from_predecessor(const base::WheelSample& sample);
   void continue_from(const model::Belief& predecessor, std::int64_t utime);
   void restart_clock(std::int64_t utime);
   void update_stuck_axes();
-  void turn_imu(double yaw);
+  void turn_imu(double to);
   [[nodiscard]] model::TimedInertial in_body(const base::ImuSample& sample) const;
   void restore_if_not_finite();
 
@@ -165,7 +165,6 @@ class Filter {
   detection::StandingMotion standing_motion_;
   std::optional<Launch> launch_;
   Eigen::Vector3d set_off_from_ = Eigen::Vector3d::Zero();  // m, position at the latest standstill
-  double turned_ = 0.0;                                     // rad, of the samples of the IMU
   bool wheels_rejected_ = false;                            // the wheels are disowned since a launch
   detection::LevelWatch level_;
   std::optional<model::Belief> predecessor_;

@@ -24,14 +24,16 @@ model::Belief with_turned_imu(model::Belief belief, double yaw, const Eigen::Vec
   return belief;
 }
 
-/// The IMU's mounting is found to have `yaw` (rad) more than was assumed until now. During a launch the belief without
-/// the wheels is right but for that: they have been compared with another axis.
-void Filter::turn_imu(double yaw) {
+/// The IMU's samples are turned by `to` (rad) from now on, as its mounting is found to have another yaw. During a
+/// launch the belief without the wheels is right but for that: they have been compared with another axis.
+void Filter::turn_imu(double to) {
   counters_.add("imu_turned");
   const Pose before = model::base_pose(belief_.mean, geometry_);
   const Eigen::Vector3d position = belief_.mean.position;
   const bool inertial = launch_ || wheels_rejected_ || watch_.all_faulty();
+  const double yaw = to - belief_.imu_turn;
   belief_ = with_turned_imu(launch_ ? launch_->belief() : belief_, yaw, set_off_from_, inertial);
+  belief_.imu_turn = to;
   belief_.mean.position = position;
   if (!inertial) inflate_motion_covariance(belief_, belief_.mean.velocity.norm(), config_->start);
   detection::reset_wheel_scale(belief_, config_->wheels);

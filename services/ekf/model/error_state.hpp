@@ -67,6 +67,7 @@ struct Belief {
   std::int64_t utime = 0;
   NavState mean;
   ErrorMatrix covariance = ErrorMatrix::Zero();
+  double imu_turn = 0.0;  ///< rad, ImuSample::turned of the samples that it rests on
 };
 
 }  // namespace curbstone::ekf::model

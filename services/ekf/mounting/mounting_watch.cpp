@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
+
+#include "common/geometry/geometry.hpp"
 
 namespace curbstone::ekf::mounting {
 
@@ -33,7 +36,8 @@ constexpr double kLongTurn = 0.1;        // rad^2/s
 constexpr double kLying = 0.8;           // minimum share of the wheels' turn that the rate about a level axis explains
 constexpr double kUpright = 0.2;         // maximum share of it in the rate about z
 constexpr double kMinGain = 0.5, kMaxGain = 2.0;
-constexpr double kSense = 0.004;  // rad^2/s, turn that shows its sense: 3 deg/s for 2 s
+constexpr double kTurnStep = 0.1;  // rad, by which a newly measured yaw must differ to be used
+constexpr double kSense = 0.004;   // rad^2/s, turn that shows its sense: 3 deg/s for 2 s
 
 }  // namespace
 
@@ -56,6 +60,7 @@ void MountingWatch::add(const base::ImuSample& sample) {
   gravity_seconds_ = std::min(gravity_seconds_ + dt, kGravityMemory);
   gravity_ += dt / gravity_seconds_ * (force - gravity_);
   if (gravity_seconds_ >= kFirstGravity) tilted_ = gravity_points_aside();
+  update_turn();
 }
 
 void MountingWatch::restart_interval(const base::WheelSample& sample) {
@@ -88,6 +93,7 @@ void MountingWatch::check(const Interval& interval) {
   check_gyro_up(interval);
   if (before_) check_forward(*before_, interval);
   before_ = interval;
+  update_turn();
 }
 
 /// Slip looks like anything for a while: kStretches in a row must agree.
@@ -242,8 +248,24 @@ bool MountingWatch::goes_backwards() const {
   return std::abs(missing_yaw().value_or(0.0)) >= kBackwards;
 }
 
-double MountingWatch::imu_turn() const {
-  return goes_backwards() && !imu_looks_backwards() ? 0.0 : missing_yaw().value_or(0.0);
+void MountingWatch::update_turn() {
+  const double wanted = goes_backwards() && !imu_looks_backwards() ? 0.0 : missing_yaw().value_or(0.0);
+  if (std::abs(std::remainder(wanted - imu_turn_, 2.0 * std::numbers::pi)) > kTurnStep) imu_turn_ = wanted;
+}
+
+base::ImuSample MountingWatch::turned(base::ImuSample sample) const {
+  if (imu_turn_ == 0.0) return sample;
+  const Eigen::Matrix3d turn = R_base_imu_.transpose() * rotation_from_rpy(0.0, 0.0, imu_turn_) * R_base_imu_;
+  sample.angular_rate = turn * sample.angular_rate;
+  sample.acceleration = turn * sample.acceleration;
+  sample.turned = imu_turn_;
+  return sample;
+}
+
+void MountingWatch::begin_with(double imu_turn) {
+  imu_turn_ = imu_turn;
+  if (imu_turn != 0.0) start_yaw_ = imu_turn;
+  set_off_ahead_ = true;  // it was the IMU, if it is about pi
 }
 
 }  // namespace curbstone::ekf::mounting

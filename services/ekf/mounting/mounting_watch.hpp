@@ -81,8 +81,13 @@ class MountingWatch {
   [[nodiscard]] bool wheels_count_backwards() const { return goes_backwards() && (sense_ < 0 || turns_opposite()); }
   /// No bend has shown that yet.
   [[nodiscard]] bool is_undecided() const { return goes_backwards() && sense_ == 0; }
-  /// rad, that the samples of the IMU are to be turned by: missing_yaw(), unless the wheels may be what is wrong.
-  [[nodiscard]] double imu_turn() const;
+  /// rad, that the samples of the IMU are to be turned by: missing_yaw(), unless the wheels may be what is wrong. Small
+  /// changes are not followed.
+  [[nodiscard]] double imu_turn() const { return imu_turn_; }
+  /// The sample as an IMU would show it that is mounted as vehicle.imu says: turned by imu_turn().
+  [[nodiscard]] base::ImuSample turned(base::ImuSample sample) const;
+  /// As an earlier watch has found it, until the next start from a standstill.
+  void begin_with(double imu_turn);
   /// Another axis points up, or its axes are not right-handed: the IMU's samples only harm.
   [[nodiscard]] bool imu_is_misplaced() const { return tilted_ || mirrored(); }
 
@@ -104,6 +109,7 @@ class MountingWatch {
   void check_handedness(double seconds, double motion);
   void note_start(const SettingOff::Start& start);
   void check_sense(const Interval& interval);
+  void update_turn();
   void check_forward(const Interval& before, const Interval& interval);
 
   Eigen::Matrix3d R_base_imu_;
@@ -137,6 +143,7 @@ class MountingWatch {
   SettingOff setting_off_;
   std::optional<double> start_yaw_;  // rad, by the latest start, if it is wrong
   bool set_off_ahead_ = false;       // by the wheels, then
+  double imu_turn_ = 0.0;            // rad
   TurnFit sense_fit_;                // since then
   int sense_ = 0;                    // 1: wheels and gyro turned the same way since then, -1: opposite ways
   double mirrored_seconds_ = 0.0, mirrored_motion_ = 0.0;  // in a row, in which the mirror image explains the force

@@ -14,8 +14,8 @@ namespace curbstone::ekf::mounting {
 ///
 /// At rest the mean specific force and the gyro's bias are known. From then on the IMU alone gives the way that it
 /// moves, in its own axes, for some seconds: gyro and accelerometer, less what they showed at rest, are integrated
-/// twice. The wheels move the vehicle ahead. The angle between both ways is the error of vehicle.imu's yaw, to a degree
-/// in 20 towns and recordings: slopes and the tilt of a vehicle that sets off do not matter, as the gyro shows them.
+/// twice. The wheels move the vehicle ahead. The angle between both ways is the error of vehicle.imu's yaw, to 2 deg
+/// (tests SettingOff): slopes and the tilt of a vehicle that sets off do not matter, as the gyro shows them.
 ///
 /// It is measured after kTravel and after twice that. Not judged: a start in which both differ by kUneven, in which the
 /// IMU shakes too hard (kMaxSigma), that takes longer than kLongest, after less than kRest of rest, with a gap, with

@@ -3,6 +3,7 @@
 #include <zlib.h>
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -14,7 +15,7 @@ namespace curbstone::ekf::state {
 
 namespace {
 
-constexpr std::uint64_t kMagic = 0x31464b4542525543;  // "CURBEKF1"
+constexpr std::uint64_t kMagic = 0x32464b4542525543;  // "CURBEKF2"
 constexpr std::size_t kMean = 3 + 3 + 4 + 3 + 3 + 3 + 1 + 2;
 constexpr std::size_t kCovariance = static_cast<std::size_t>(model::kErrorSize) * model::kErrorSize;
 
@@ -23,6 +24,7 @@ struct File {
   std::int64_t utime = 0;
   std::array<double, kMean> mean{};
   std::array<double, kCovariance> covariance{};
+  double imu_turn = 0.0;
   std::uint64_t checksum = 0;  // of all members before it
 };
 static_assert(std::is_trivially_copyable_v<File>);
@@ -41,6 +43,7 @@ bool save_state(const std::string& path, const model::Belief& belief) {
   mean << x.position, x.velocity, x.attitude.coeffs(), x.gyro_bias, x.accelerometer_bias, x.wheel_scale, x.axle,
       x.course;
   Eigen::Map<model::ErrorMatrix>(file.covariance.data()) = belief.covariance;
+  file.imu_turn = belief.imu_turn;
   file.checksum = checksum_of(file);
   const std::string unfinished = path + ".unfinished";
   {
@@ -70,7 +73,8 @@ std::optional<model::Belief> load_state(const std::string& path) {
   x.axle = mean[19];
   x.course = mean.segment<2>(20);
   belief.covariance = Eigen::Map<const model::ErrorMatrix>(file.covariance.data());
-  if (!filter::is_finite(belief)) return std::nullopt;
+  belief.imu_turn = file.imu_turn;
+  if (!filter::is_finite(belief) || !std::isfinite(belief.imu_turn)) return std::nullopt;
   x.attitude.normalize();
   return belief;
 }

@@ -8,6 +8,7 @@
 #include "common/geometry/geometry.hpp"
 #include "tests/services/ekf/ekf_node_test.hpp"
 #include "tests/services/ekf/town_drive.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace curbstone::ekf::mounting {
 namespace {
@@ -112,6 +113,39 @@ TEST(WrongImu, AGyroOfWhichAllAxesGetStuckLeavesTheOdometryUsable) {
   });
   EXPECT_THAT(stuck.faults, Contains(HasSubstr("the gyro's z axis is stuck")));
   EXPECT_EQ(stuck.not_level, 0U);
+}
+
+/// The second process starts on the move, where nothing shows the yaw.
+TEST(WrongImu, ItsYawIsKnownToTheProcessThatFollowsAKilledOne) {
+  const test::TemporaryFolder folder;
+  base::EkfConfig config;
+  config.state_file = folder / "ekf.state";
+  const Drive drive = simulate_town_drive({.seconds = 60, .speed = 5, .slip = false}, VehicleConfig());
+  LocalBus bus;
+  std::optional<EkfNode> node(std::in_place, config, bus);
+  odometry_t first{}, last{};
+  bus.subscribe<odometry_t>("ODOMETRY", [&](const odometry_t& m) {
+    if (first.utime == 0) first = m;
+    last = m;
+  });
+  for (std::size_t i = 0; i < drive.imu.size(); ++i) {
+    if (i == 2000) {
+      node.reset();
+      node.emplace(config, bus);
+    }
+    base::ImuSample imu = drive.imu[i];
+    for (Eigen::Vector3d* v : {&imu.acceleration, &imu.angular_rate}) *v = Eigen::Vector3d(v->y(), -v->x(), v->z());
+    node->on(message_of(drive.wheels[i], static_cast<std::int32_t>(i)));
+    node->on(message_of(imu, static_cast<std::int32_t>(i)));
+    node->tick(imu.utime);
+    bus.dispatch();
+  }
+  NodeReport report = node->report();
+  EXPECT_EQ(report.counters["starts.inherited"], 1);
+  EXPECT_EQ(report.counters["imu_turned"], 0) << "the belief already rests on it";
+  EXPECT_THAT(report.faults, Contains(HasSubstr("used as if turned: add about 90 deg")));
+  const Eigen::Vector3d end = drive.T_odom_base(drive.truth.size() - 1, drive.index_of(first.utime)).translation();
+  EXPECT_LT(std::hypot(last.position[0] - end.x(), last.position[1] - end.y()), 3.0);
 }
 
 /// The wheels then turn the vehicle at 7 rad/s, as the gyro does not.
