@@ -1,10 +1,10 @@
 #include "services/mapper/mounting/scale_by_scans.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "services/mapper/mounting/consistent_median.hpp"
+#include "services/mapper/mounting/lowest.hpp"
 
 namespace curbstone::mapper::mounting {
 namespace {
@@ -29,7 +29,7 @@ void ScaleByScans::add(std::int64_t utime, const std::vector<scan::LidarPoint>& 
   reference_.emplace(Reference{utime, T_map_base, T_odom_base, {points, Pose::Identity(), lidar_}});
 }
 
-/// The scale with the least residual, between steps by a parabola.
+/// The scale with the least residual.
 std::optional<double> ScaleByScans::measure(const std::vector<scan::LidarPoint>& points,
                                             const Pose& T_reference_base) const {
   std::array<double, 2 * kSteps + 1> residuals{};
@@ -40,12 +40,9 @@ std::optional<double> ScaleByScans::measure(const std::vector<scan::LidarPoint>&
     if (!residual) return std::nullopt;
     residuals[i] = *residual;
   }
-  const auto least = std::min_element(residuals.begin(), residuals.end());
-  if (*least > kOtherThings || least == residuals.begin() || least + 1 == residuals.end()) return std::nullopt;
-  const double before = *(least - 1), after = *(least + 1);
-  const double bend = before - 2 * *least + after;
-  const double beside = bend > 0 ? 0.5 * (before - after) / bend : 0;
-  return 1 + (static_cast<double>(least - residuals.begin()) + beside - kSteps) * kStep;
+  const auto least = lowest(residuals, kOtherThings);
+  if (!least) return std::nullopt;
+  return 1 + (*least - kSteps) * kStep;
 }
 
 void ScaleByScans::conclude(double measured) {

@@ -1,11 +1,11 @@
 #include "services/mapper/mounting/yaw_at_start.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 
 #include "services/mapper/mounting/consistent_median.hpp"
+#include "services/mapper/mounting/lowest.hpp"
 
 namespace curbstone::mapper::mounting {
 namespace {
@@ -49,7 +49,7 @@ std::optional<double> YawAtStart::residual(const std::vector<scan::LidarPoint>& 
   return AzimuthProfile(points, T_assumed, lidar_).residual_to(reference_->profile);
 }
 
-/// The yaw with the least residual, between steps by a parabola.
+/// The yaw with the least residual.
 std::optional<double> YawAtStart::measure(const std::vector<scan::LidarPoint>& points,
                                           const Pose& T_reference_base) const {
   double best = 0, least = 1;
@@ -64,13 +64,9 @@ std::optional<double> YawAtStart::measure(const std::vector<scan::LidarPoint>& p
   std::array<double, 2 * kFine + 1> residuals{};
   for (std::size_t i = 0; i < residuals.size(); ++i)
     residuals[i] = residual(points, T_reference_base, best + (static_cast<double>(i) - kFine) * kFineStep).value_or(1);
-  const auto bottom = std::min_element(residuals.begin(), residuals.end());
-  if (*bottom > kOtherThings || bottom == residuals.begin() || bottom + 1 == residuals.end()) return std::nullopt;
-  const double before = *(bottom - 1), after = *(bottom + 1);
-  const double bend = before - 2 * *bottom + after;
-  const double beside = bend > 0 ? 0.5 * (before - after) / bend : 0;
-  const double yaw = best + (static_cast<double>(bottom - residuals.begin()) + beside - kFine) * kFineStep;
-  return std::remainder(yaw, 2 * std::numbers::pi);
+  const auto finest = lowest(residuals, kOtherThings);
+  if (!finest) return std::nullopt;
+  return std::remainder(best + (*finest - kFine) * kFineStep, 2 * std::numbers::pi);
 }
 
 }  // namespace curbstone::mapper::mounting

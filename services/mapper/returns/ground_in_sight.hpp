@@ -25,8 +25,8 @@ namespace curbstone::mapper::returns {
 /// be below: kManyAbove of its returns, and few where the ground should be. Only where both can be told apart, within
 /// some 12 m. A ceiling differs in that there is a floor below it.
 ///
-/// Status only. A function of the calls. Pure; one thread. Counters: faults.no_ground, faults.lidar.upside_down (times
-/// that the fault began).
+/// Changes nothing itself: MapperNode turns the map's LiDAR over at the start of a drive. A function of the calls.
+/// Pure; one thread. Counters: faults.no_ground, faults.lidar.upside_down (times that the fault began).
 class GroundInSight {
  public:
   static constexpr int kSectors = 36;
@@ -37,7 +37,7 @@ class GroundInSight {
   static constexpr float kNear = 6.0F;       ///< m
   static constexpr double kLowest = 0.6;     ///< m above the ground
   static constexpr double kManyAbove = 0.1;  ///< of the returns
-  static constexpr double kFewBelow = 0.4;   ///< of those above; 0.1 to 0.2 of a town's
+  static constexpr double kFewBelow = 0.4;   ///< of those above: reflections, and what hangs
 
   explicit GroundInSight(const Pose& T_base_lidar);
 
