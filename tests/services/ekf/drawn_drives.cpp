@@ -48,6 +48,18 @@ DriveOptions drawn(const base::EkfConfig& config, unsigned seed) {
   return o;
 }
 
+DriveOptions drawn_uncalibrated(std::mt19937& random) {
+  const auto between = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };
+  DriveOptions o;
+  o.speed = between(2.0, 8.0);
+  o.curves = between(0.05, 0.8);
+  o.hills = between(0.0, 0.2);
+  o.gyro_bias.setConstant(between(-0.03, 0.03));
+  o.accelerometer_bias.setConstant(between(-0.3, 0.3));
+  o.wheel_scale << between(-0.1, 0.1), between(-0.1, 0.1), between(-0.3, 0.3);
+  return o;
+}
+
 double pose_nees(const model::Estimate& e, const Drive& drive, std::size_t start) {
   const Pose truth = drive.T_odom_base(drive.index_of(e.utime), start);
   Eigen::Matrix<double, 6, 1> error;

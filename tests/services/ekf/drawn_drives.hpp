@@ -1,5 +1,6 @@
 #pragma once
 
+#include <random>
 #include <vector>
 
 #include "services/ekf/filter/filter.hpp"
@@ -15,6 +16,9 @@ inline constexpr double kLow6 = 226.0 / kRuns, kHigh6 = 387.0 / kRuns;
 [[nodiscard]] base::EkfConfig true_config();
 /// A drive whose errors are drawn from the distributions that the filter is configured with.
 [[nodiscard]] DriveOptions drawn(const base::EkfConfig& config, unsigned seed);
+
+/// A drive at 2 to 8 m/s in curves and on hills, with large biases, and radii and a track that are wrong.
+[[nodiscard]] DriveOptions drawn_uncalibrated(std::mt19937& random);
 
 /// Normalised error squared of a pose; odom began at `start`, an index into the truth.
 [[nodiscard]] double pose_nees(const model::Estimate& e, const Drive& drive, std::size_t start);

@@ -266,14 +266,8 @@ TEST(MountingWatchTest, NothingIsSaidOfWheelsThatSlipForSeconds) {
   for (unsigned seed = 1; seed <= 40; ++seed) {
     std::mt19937 random(seed);
     const auto between = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };
-    DriveOptions o;
+    DriveOptions o = drawn_uncalibrated(random);
     o.seed = seed;
-    o.speed = between(2.0, 8.0);
-    o.curves = between(0.05, 0.8);
-    o.hills = between(0.0, 0.2);
-    o.gyro_bias.setConstant(between(-0.03, 0.03));
-    o.accelerometer_bias.setConstant(between(-0.3, 0.3));
-    o.wheel_scale << between(-0.1, 0.1), between(-0.1, 0.1), between(-0.3, 0.3);
     o.slip_begin = between(5.0, 40.0);
     o.slip_end = o.slip_begin + between(0.5, 10.0);
     o.slip_left = between(-0.5, 2.0);
