@@ -18,6 +18,7 @@ constexpr std::int64_t kSearchAnywhere = 2'000'000;  // and of the whole map, wh
 
 Mapper::Mapper(const config::MapperConfig& config, const std::shared_ptr<SpillFile>& spill_file)
     : config_(config),
+      co_moving_(config.vehicle),
       tracker_(config.tracker, config.registration, config.vehicle, config.mode != config::MapMode::kLocalise),
       atlas_(config.atlas, spill_file),
       local_map_(atlas_, tracker_),
@@ -27,7 +28,9 @@ Mapper::Mapper(const config::MapperConfig& config, const std::shared_ptr<SpillFi
                                                       spill_file)),
       start_(config.dense, config.vehicle.T_base_lidar(), config.threads > 1, spill_file) {}
 
-std::optional<MapperUpdate> Mapper::process(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
+std::optional<MapperUpdate> Mapper::process(const scan::Scan& revolution, const scan::OdometryHistory& odometry) {
+  const std::optional<scan::Scan> rest = co_moving_.without(revolution, odometry);
+  const scan::Scan& scan = rest ? *rest : revolution;
   if (resumed_pose_) resume_at(*resumed_pose_, scan, odometry);
   const std::optional<tracking::Tracked> tracked = tracker_.track(scan, odometry);
   if (!tracked) return std::nullopt;
@@ -272,7 +275,7 @@ Counters Mapper::counters() const {
   Counters all = counters_;
   for (const Counters* part :
        {&tracker_.counters(), &tracker_.odometry_check().counters(), &tracker_.mount().counters(), &closer_.counters(),
-        &scale_.counters(), &dense_->counters()}) {
+        &scale_.counters(), &dense_->counters(), &co_moving_.counters()}) {
     for (const auto& [name, value] : part->values()) all.add(name, value);
   }
   return all;

@@ -16,6 +16,7 @@
 #include "services/mapper/intensity/ring_scale.hpp"
 #include "services/mapper/journal/recorded_drive.hpp"
 #include "services/mapper/local_map.hpp"
+#include "services/mapper/moving_objects/co_moving_objects.hpp"
 #include "services/mapper/pose_graph/atlas.hpp"
 #include "services/mapper/pose_graph/loop_closer.hpp"
 #include "services/mapper/pose_graph/relocalizer.hpp"
@@ -83,7 +84,8 @@ class Mapper {
 
   /// Processes the next scan. Returns nothing, and leaves the map unchanged, if the scan cannot be placed in time, or
   /// if it has too few points and odometry does not continue the pose: see Tracker::track().
-  [[nodiscard]] std::optional<MapperUpdate> process(const scan::Scan& scan, const scan::OdometryHistory& odometry);
+  [[nodiscard]] std::optional<MapperUpdate> process(const scan::Scan& revolution,
+                                                    const scan::OdometryHistory& odometry);
   /// Begins free-space removal in the dense map while nobody waits for a result. Otherwise process() does it first.
   void begin_free_space_removal();
   /// Shows the drive's own map from now on, as the drive ends. True if another map was shown: then every tile may
@@ -136,7 +138,10 @@ class Mapper {
   [[nodiscard]] int refused_in_a_row() const { return tracker_.refused_in_a_row(); }
   /// Appends the tracker's faults: odometry and LiDAR disagree on the way (OdometryCheck), or scans have too few
   /// points.
-  void add_faults(std::vector<std::string>& faults) const { tracker_.add_faults(faults); }
+  void add_faults(std::vector<std::string>& faults) const {
+    tracker_.add_faults(faults);
+    co_moving_.add_faults(faults);
+  }
   /// See Tracker.
   [[nodiscard]] bool turn_refused() const { return tracker_.turn_refused(); }
   [[nodiscard]] std::int64_t turn_refused_at() const { return tracker_.turn_refused_at(); }
@@ -185,6 +190,7 @@ class Mapper {
   static constexpr double kLongestStep = 0.3;  // s between scans from which the motion is computed
 
   config::MapperConfig config_;
+  moving_objects::CoMovingObjects co_moving_;
   tracking::Tracker tracker_;
   pose_graph::Atlas atlas_;
   LocalMap local_map_;

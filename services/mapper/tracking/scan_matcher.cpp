@@ -6,6 +6,7 @@
 
 #include "common/linear/decompositions.hpp"
 #include "services/mapper/registration/make_registration.hpp"
+#include "services/mapper/scan/own_body.hpp"
 
 namespace curbstone::mapper::tracking {
 namespace {
@@ -34,16 +35,6 @@ bool alike(const scan::Twist& a, const scan::Twist& b, double sweep_seconds) {
          (a.angular - b.angular).norm() * sweep_seconds < kSettledTurn;
 }
 
-/// The box in which the LiDAR sees the vehicle itself, in base_link, m. It does not include the ground below.
-Eigen::AlignedBox3f body_of(const VehicleConfig& vehicle) {
-  constexpr double kMargin = 0.1;  // m
-  const double half_length = 0.5 * vehicle.length + kMargin;
-  const double half_width = 0.5 * vehicle.width + kMargin;
-  const Eigen::Vector3d rear_right(vehicle.middle - half_length, -half_width, kMargin);
-  const Eigen::Vector3d front_left(vehicle.middle + half_length, half_width, vehicle.height + kMargin);
-  return {rear_right.cast<float>(), front_left.cast<float>()};
-}
-
 bool clearly_better(const Fit& fit, const Fit& than) {
   return fit.result.converged && fit.agreement() > kSpeedAgreementRatio * than.agreement();
 }
@@ -55,7 +46,7 @@ ScanMatcher::ScanMatcher(const config::RegistrationConfig& config, const Vehicle
       max_speed_(max_speed),
       T_base_lidar_(vehicle.T_base_lidar()),
       R_base_lidar_(T_base_lidar_.linear()),
-      own_body_(body_of(vehicle)),
+      own_body_(scan::own_body(vehicle)),
       registration_(registration::make_registration(config, T_base_lidar_.translation())) {}
 
 void ScanMatcher::clear_map() {

@@ -54,6 +54,19 @@ std::vector<Fault> surroundings_faults() {
              [](double) {
                return Boxes{{{-6.0, 2.0, -1.8}, {6.0, 4.5, 1.3}}};
              }),
+      things("bus that drifts", "a bus on the left at about the same speed: 3 m forth and back, 0.4 m to and fro",
+             [](double t) {
+               const double x = 3 * std::sin(t / 5), y = 0.4 * std::sin(t / 3);
+               return Boxes{{{x - 6.0, 2.2 + y, -1.8}, {x + 6.0, 4.7 + y, 1.3}}};
+             }),
+      things("column", "cars ahead, behind and on either side, all at about the same speed",
+             [](double t) {
+               const double x = 0.7 * std::sin(t / 4), y = 0.3 * std::sin(t / 3);
+               return Boxes{{{6.0 + x, -0.9, -1.5}, {10.0 + x, 0.9, 0.0}},
+                            {{-11.0 + x, -0.9, -1.5}, {-7.0 + x, 0.9, 0.0}},
+                            {{-1.5 - x, 2.2 + y, -1.5}, {2.8 - x, 4.0 + y, 0.0}},
+                            {{-3.5 + x, -4.0 + y, -1.5}, {0.8 + x, -2.2 + y, 0.0}}};
+             }),
       things("between lorries", "a lorry on either side, 2 m away, both at the same speed",
              [](double) {
                return Boxes{{{-8.0, 2.0, -1.8}, {8.0, 4.5, 2.0}}, {{-8.0, -4.5, -1.8}, {8.0, -2.0, 2.0}}};
