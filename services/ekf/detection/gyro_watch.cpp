@@ -16,12 +16,14 @@ constexpr std::int64_t kMinRun = 250'000;  // us, shortest run: a gyro with a 5 
 
 }  // namespace
 
-void GyroWatch::add(std::int64_t utime, const Eigen::Vector3d& rate, const std::array<bool, 3>& stuck_by_driver) {
+void GyroWatch::add(std::int64_t utime, const Eigen::Vector3d& rate, const std::array<bool, 3>& stuck_by_driver,
+                    bool drives) {
   const bool begins = last_utime_ == 0 || utime < last_utime_ || utime - last_utime_ > kPause;
   const Eigen::Vector3d change = (rate - last_).cwiseAbs();
   for (const double r : rate.cwiseAbs()) least_ = r > 0 ? std::min(least_, r) : least_;
   last_ = rate;
   last_utime_ = utime;
+  if (begins || !drives) stood_ = utime;
   if (begins) {
     all_repeats_ = 0;
     for (Axis& axis : axes_)
@@ -99,7 +101,9 @@ void GyroWatch::check_pair(std::size_t third, std::int64_t utime, const Eigen::V
 /// Decides whether all axes have got stuck together.
 void GyroWatch::check_all(std::int64_t utime, const Eigen::Vector3d& change) {
   all_repeats_ = change.isZero(0.0) ? std::min(all_repeats_ + 1, kRun) : 0;
-  if (all_repeats_ < kRun || !has_fine_steps() || last_.cwiseAbs().minCoeff() == 0) return;
+  if (all_repeats_ < kRun || !has_fine_steps()) return;
+  const bool zeros = last_.cwiseAbs().minCoeff() == 0;
+  if (zeros && (least_ > kFine || utime - stood_ < kPair)) return;
   const auto got_stuck = [&](const Axis& axis) {
     return axis.change_count >= kMinChanges && utime - axis.since >= kPair;
   };

@@ -21,7 +21,8 @@ namespace curbstone::ekf::detection {
 /// show zero on two axes for any time, so zeros count only if a value below kFine has been shown before.
 ///
 /// While all three axes repeat nothing is decided for kPair: the device sends each sample several times. Then all three
-/// are stuck, if the steps are fine, no axis shows zero, and all have changed kMinChanges times before.
+/// are stuck, if the steps are fine and all have changed kMinChanges times before. Zeros count only while the wheels
+/// turn, as a device may show zero for any time at a standstill, and as above.
 ///
 /// The driver detects, in any gyro, an axis that shows a rate which no bias explains for 0.5 s. Its report is accepted.
 ///
@@ -36,9 +37,10 @@ class GyroWatch {
   static constexpr int kMinChanges = 100;            ///< samples
   static constexpr std::int64_t kTrust = 2'000'000;  ///< us of changes after which an axis is trusted again
 
-  /// Adds the next sample and the axes that its driver reports as stuck. After a pause of more than a second, or where
-  /// the stamps go back, the runs restart.
-  void add(std::int64_t utime, const Eigen::Vector3d& rate, const std::array<bool, 3>& stuck_by_driver = {});
+  /// Adds the next sample and the axes that its driver reports as stuck. `drives`: the wheels turn. After a pause of
+  /// more than a second, or where the stamps go back, the runs restart.
+  void add(std::int64_t utime, const Eigen::Vector3d& rate, const std::array<bool, 3>& stuck_by_driver = {},
+           bool drives = false);
   [[nodiscard]] bool stuck(int axis) const { return axes_[static_cast<std::size_t>(axis)].stuck; }
   /// us, time since which the axis has shown the same rate.
   [[nodiscard]] std::int64_t since(int axis) const { return axes_[static_cast<std::size_t>(axis)].since; }
@@ -66,6 +68,7 @@ class GyroWatch {
   std::array<Axis, 3> axes_;
   Eigen::Vector3d last_ = Eigen::Vector3d::Zero();
   std::int64_t last_utime_ = 0;
+  std::int64_t stood_ = 0;   // us, when the wheels last did not turn
   int all_repeats_ = 0;      // samples in a row in which all axes have repeated, at most kRun
   int fine_changes_ = 0;     // changes by at most kFine, of all axes
   double least_ = INFINITY;  // rad/s, smallest value other than zero that an axis has shown

@@ -49,7 +49,7 @@ model::TimedInertial Filter::in_body(const base::ImuSample& sample) const {
 
 void Filter::add(const base::ImuSample& measured, std::vector<model::Estimate>& out) {
   update_noise(measured);
-  const base::ImuSample sample = axes_.add(measured);
+  const base::ImuSample sample = axes_.add(measured, still_.wheels_turn() && !wheels_missing(measured.utime));
   if (!started_) {
     start(sample);
     if (!started_) return;

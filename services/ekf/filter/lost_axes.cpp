@@ -52,10 +52,10 @@ base::ImuSample LostAxes::without_lost(base::ImuSample sample) const {
   return sample;
 }
 
-base::ImuSample LostAxes::add(const base::ImuSample& sample) {
+base::ImuSample LostAxes::add(const base::ImuSample& sample, bool drives) {
   before_ = sample_;
   sample_ = sample;
-  watch_.add(sample.utime, sample.angular_rate, sample.stuck);
+  watch_.add(sample.utime, sample.angular_rate, sample.stuck, drives);
   return without_lost(sample);
 }
 

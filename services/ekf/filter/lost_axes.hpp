@@ -26,8 +26,9 @@ class LostAxes {
  public:
   LostAxes(const base::EkfConfig& config, const model::Geometry& geometry) : config_(config), geometry_(geometry) {}
 
-  /// Takes the IMU's next sample. Returns the sample to process: the same with 0 on stuck axes.
-  base::ImuSample add(const base::ImuSample& sample);
+  /// Takes the IMU's next sample. `drives`: the wheels turn. Returns the sample to process: the same with 0 on stuck
+  /// axes.
+  base::ImuSample add(const base::ImuSample& sample, bool drives);
   /// Updates the belief, before it is predicted with that sample, for axes that get stuck, are stuck or work again.
   /// `wheel_yaw_rate`: rad/s, from the wheels. Counts faults.gyro_* and trusted.gyro_*. Returns whether an axis got
   /// stuck or works again.

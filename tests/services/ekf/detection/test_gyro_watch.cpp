@@ -210,6 +210,20 @@ TEST_F(GyroWatchTest, ThreeAxesThatHaveLivedAndGetStuckInOneMomentAreFound) {
   EXPECT_FALSE(watch_.stuck(0) || watch_.stuck(1) || watch_.stuck(2));
 }
 
+TEST_F(GyroWatchTest, ThreeAxesThatShowZeroAreFoundOnceTheWheelsTurn) {
+  const auto show_zero = [&](double seconds, bool drives) {
+    for (int i = 0; i < 100 * seconds; ++i) watch_.add(utime_ += 10'000, Eigen::Vector3d::Zero(), {}, drives);
+  };
+  add(3);
+  show_zero(60, false);
+  show_zero(0.9, true);
+  EXPECT_FALSE(watch_.stuck(0) || watch_.stuck(1) || watch_.stuck(2)) << "a device that shows nothing at a standstill";
+  show_zero(0.3, true);
+  EXPECT_TRUE(watch_.stuck(0) && watch_.stuck(1) && watch_.stuck(2));
+  add(2.5);
+  EXPECT_FALSE(watch_.stuck(0) || watch_.stuck(1) || watch_.stuck(2));
+}
+
 /// What is small is 0 there: about two axes it may be for as long as it turns about the third.
 TEST_F(GyroWatchTest, OfADeviceWithADeadZoneNoTwoAxesAreStuckAtZero) {
   const auto turn = [&](double seconds, const Eigen::Vector3d& level) {

@@ -126,6 +126,23 @@ TEST_P(StuckGyro, OfTwoAxesThatGetStuckInOneMomentIsDoneWithout) {
   }
 }
 
+/// A gyro that shows nothing more, as after a reset of the device into another mode. The wheels tell how it turns.
+TEST(StuckGyroWhole, ThatShowsZeroIsDoneWithout) {
+  for (const StuckDrive& good : stuck_drives(1)) {
+    const StuckOutcome healthy = stuck_outcome(good.drive);
+    for (const double begin : {20.0, middle_of_bend(good.drive, 15.0, 60.0)}) {
+      Drive drive = good.drive;
+      for (int axis = 0; axis < 3; ++axis) drive = with_stuck_axis(drive, axis, 0.0, begin);
+      StuckOutcome o = stuck_outcome(drive);
+      std::printf("[ figure ] %s, all axes 0 from %.1f s on: %.2f m, %.1f sigma; healthy %.2f m\n", good.name.c_str(),
+                  begin, o.position, o.sigmas, healthy.position);
+      for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(o.counters[std::string("faults.gyro_") + gyro_axis(axis)], 1);
+      EXPECT_LT(o.position, healthy.position + 0.12 * good.drive.distance);
+      EXPECT_LT(o.sigmas, 5.0);
+    }
+  }
+}
+
 /// What a coarse gyro's driver makes of the drive: it withholds samples that cannot be, and names stuck axes.
 Drive as_its_driver_says(Drive drive, bool withholds_the_stuck) {
   constexpr double kStep = 2000.0 / 32768 * std::numbers::pi / 180;  // rad/s, a WitMotion's
