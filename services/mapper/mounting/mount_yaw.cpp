@@ -20,7 +20,7 @@ constexpr std::int64_t kCreepSpan = 1'000'000;   // us: a turn is gradual if bef
 constexpr double kCreep = 3 * MountYaw::kTurn;   // it already turned by this much
 constexpr std::int64_t kShakeSpan = 3'000'000;   // us: kShakeTurns turns within it are a shake,
 constexpr std::size_t kShakeTurns = 4;
-constexpr std::int64_t kMinQuietTime = 2'000'000;  // us without a turn: it shakes no more
+constexpr std::int64_t kMinQuietTime = 2'000'000;  // us in which it is still: it shakes no more
 
 double in_degrees(double rad) {
   return rad * 180 / std::numbers::pi;
@@ -35,7 +35,6 @@ bool is_turn(const AzimuthProfile::Turn& turn) {
 MountYaw::Result MountYaw::add(const Observation& look) {
   if (look.utime <= utime_ || look.utime - utime_ > kLongestPause) interrupt();
   utime_ = look.utime;
-  if (shakes_ && std::abs(utime_ - turning_) > kMinQuietTime) shakes_ = false;
   earlier_.push_back({look.T_odom_base, AzimuthProfile(*look.points, Pose::Identity(), lidar_)});
   if (earlier_.size() <= kScanOffset) return before_ || shakes_ ? Result::kUncertain : Result::kStable;
   Earlier earlier = std::move(earlier_.front());
@@ -50,9 +49,11 @@ MountYaw::Result MountYaw::add(const Observation& look) {
   const bool creeps = crept() > kCreep;
   creeping_.emplace_back(utime_, std::clamp(turn->angle / kScanOffset, -kTurn, kTurn));  // a leap is no creep
   if (is_turning) turning_ = utime_;
-  if (is_still) usual_ = usual_ > 0 ? std::min(turn->residual, kUsualGrowth * usual_) : turn->residual;
+  if (is_still && !shakes_) usual_ = usual_ > 0 ? std::min(turn->residual, kUsualGrowth * usual_) : turn->residual;
   if (is_still) gave_up_ = false;
   still_ = is_still ? still_ + 1 : 0;
+  if (still_ <= 1) still_since_ = utime_;
+  if (shakes_ && utime_ - still_since_ > kMinQuietTime) shakes_ = false;
   if (shakes_) return Result::kUncertain;
 
   if (!before_) {
@@ -70,6 +71,13 @@ MountYaw::Result MountYaw::add(const Observation& look) {
     return Result::kStable;
   }
   return Result::kUncertain;
+}
+
+MountYaw::Result MountYaw::skip(std::int64_t utime) {
+  interrupt();
+  utime_ = utime;
+  if (std::abs(utime_ - turning_) > kUnobserved) shakes_ = false;
+  return shakes_ ? Result::kUncertain : Result::kStable;
 }
 
 /// rad, the turn of the last second, without leaps.
@@ -109,13 +117,15 @@ MountYaw::Result MountYaw::begin_to_shake() {
 
 std::optional<AzimuthProfile::Turn> MountYaw::turn_since(const Earlier& earlier, const Observation& look) const {
   const AzimuthProfile there(*look.points, earlier.T_odom_base.inverse() * look.T_odom_base, lidar_);
-  return there.turn_since(earlier.profile, usual_);
+  return there.turn_since(earlier.profile, shakes_ ? 0 : usual_);
 }
 
+/// Breaks the sequence.
 void MountYaw::interrupt() {
   earlier_.clear();
   before_.reset();
   usual_ = 0;
+  still_ = 0;
 }
 
 void MountYaw::add_faults(std::vector<std::string>& faults) const {

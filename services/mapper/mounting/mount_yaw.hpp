@@ -26,6 +26,7 @@ namespace curbstone::mapper::mounting {
 class MountYaw {
  public:
   static constexpr double kTurn = 0.0175;                   ///< rad, smallest turn that is detected
+  static constexpr std::int64_t kUnobserved = 10'000'000;   ///< us, since it last turned
   static constexpr std::int64_t kReportedFor = 60'000'000;  ///< us after the last turn, if it is back where it was
 
   /// A scan, and what odometry says of it.
@@ -47,8 +48,9 @@ class MountYaw {
 
   /// Takes the next scan.
   Result add(const Observation& look);
-  /// Breaks the sequence: nothing measures the vehicle's turn.
-  void interrupt();
+  /// Takes the next scan instead, ended at `utime`, us, if nothing measures the vehicle's turn. A LiDAR that shook is
+  /// believed to be still after kUnobserved.
+  Result skip(std::int64_t utime);
   /// rad, to the left: how far the LiDAR has turned since the start.
   [[nodiscard]] double yaw() const { return yaw_; }
   [[nodiscard]] bool shakes() const { return shakes_; }
@@ -63,6 +65,7 @@ class MountYaw {
   [[nodiscard]] std::optional<AzimuthProfile::Turn> turn_since(const Earlier& earlier, const Observation& look) const;
   Result conclude(const AzimuthProfile::Turn& since);
   Result begin_to_shake();
+  void interrupt();
   [[nodiscard]] double crept();
 
   Eigen::Vector3d lidar_;
@@ -70,7 +73,8 @@ class MountYaw {
   std::deque<Earlier> earlier_;                           // the last two scans
   std::optional<Earlier> before_;                         // the scan before those that are in doubt
   std::int64_t unsure_since_ = 0;                         // us
-  int still_ = 0;                                         // scans in a row that show no turn
+  int still_ = 0;                                         // scans in a row that show no turn,
+  std::int64_t still_since_ = 0;                          // us, and the first of them
   std::deque<std::pair<std::int64_t, double>> creeping_;  // us, rad: turn between two scans, for a second
   double usual_ = 0;                                      // residual of two scans that show no turn, lately
   bool gave_up_ = false;      // what turns may be odometry: scans are used until it has stopped

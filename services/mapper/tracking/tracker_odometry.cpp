@@ -105,11 +105,11 @@ void Tracker::correct_scale(MotionPrediction& prediction) {
 }
 
 /// Corrects the turn that is predicted by odometry without a gyro, or with one that the wheels contradict: a wheel that
-/// slips turns it, or a gyro that is wrong.
+/// slips turns it, or a gyro that is wrong. Not by scans of a LiDAR that shakes.
 void Tracker::correct_turn(MotionPrediction& prediction, const scan::Scan& scan,
                            const scan::OdometryHistory& odometry) {
-  if (odometry.with_gyro(last_->end, scan.end) && odometry.turn_confirmed(last_->end, scan.end))
-    return turn_by_scans_.interrupt();
+  const bool is_measured = odometry.with_gyro(last_->end, scan.end) && odometry.turn_confirmed(last_->end, scan.end);
+  if (is_measured || mount_.shakes()) return turn_by_scans_.interrupt();
   const std::vector<scan::LidarPoint> points = matcher_.in_base(scan, prediction.sweep);
   const double error = turn_by_scans_.error_since_last(scan.end, points, odometry.at(scan.end));
   if (error == 0) return;
@@ -120,12 +120,10 @@ void Tracker::correct_turn(MotionPrediction& prediction, const scan::Scan& scan,
 /// Checks that the LiDAR has not turned in its mount. While it may be turning, `found` is refused, and false is
 /// returned. Once it has turned, `found` is the scan de-skewed and registered again, with the mount's new yaw.
 bool Tracker::check_mount(Attempt& found, const scan::Scan& scan, const scan::OdometryHistory& odometry) {
-  if (!config_.turn_by_odometry || !turns_steadily(last_->end, scan.end, odometry)) {
-    mount_.interrupt();
-    return true;
-  }
-  const auto sight =
-      mount_.add({scan.end, &found.fit.points, odometry.at(scan.end), odometry.turn_confirmed(last_->end, scan.end)});
+  const bool is_measured = config_.turn_by_odometry && turns_steadily(last_->end, scan.end, odometry);
+  const auto sight = is_measured ? mount_.add({scan.end, &found.fit.points, odometry.at(scan.end),
+                                               odometry.turn_confirmed(last_->end, scan.end)})
+                                 : mount_.skip(scan.end);
   matcher_.set_mount_yaw(mount_.yaw());
   if (sight == mounting::MountYaw::Result::kTurned) {
     pairs_.interrupt();

@@ -84,6 +84,24 @@ TEST_F(MountYawTest, AShakingLidarIsNotUsedUntilItIsStill) {
   EXPECT_THAT(faults(), ::testing::Contains(HasSubstr("shook in its mount")));
 }
 
+TEST_F(MountYawTest, OneThatShakesFastIsNotTakenForStillNowAndThen) {
+  drive(2, [](double) { return 0; });
+  drive(2, [](double t) { return std::sin(2 * M_PI * 7 * t); });
+  ASSERT_TRUE(mount_.shakes());
+  seen_ = {};
+  drive(15, [](double t) { return std::sin(2 * M_PI * 7 * t); });
+  EXPECT_EQ(num(MountYaw::Result::kUncertain), 300);
+}
+
+TEST_F(MountYawTest, WhileNothingMeasuresTheVehiclesTurnOneThatShookIsNotUsedForTenSeconds) {
+  drive(2, [](double) { return 0; });
+  drive(2, [](double t) { return 1.5 * std::sin(2 * M_PI * 3 * t); });
+  ASSERT_TRUE(mount_.shakes());
+  EXPECT_EQ(mount_.skip(test::utime(t_ + 9)), MountYaw::Result::kUncertain);
+  EXPECT_EQ(mount_.skip(test::utime(t_ + 11)), MountYaw::Result::kStable);
+  EXPECT_FALSE(mount_.shakes());
+}
+
 TEST_F(MountYawTest, WhatTurnsGraduallyAndSpringsBackIsNotTheMount) {  // two lorries, and then none
   drive(5, [](double t) { return t < 2 ? 0 : t < 3.5 ? (t - 2) * 8.6 : 0; });
   EXPECT_EQ(mount_.yaw(), 0);
