@@ -52,6 +52,9 @@ class Tappable {
   virtual void tap(Tap tap, QueueLimit limit, const std::string& except) = 0;
 };
 
+/// Names a subscription of a Subscriber, for unsubscribe().
+using SubscriptionId = std::uint32_t;
+
 /// The receiving side of the bus. Channels are exact names, not patterns. One thread.
 class Subscriber {
  public:
@@ -63,8 +66,8 @@ class Subscriber {
   /// counted as `refused.undecodable`. A handler that throws is counted as `faults.handler`, because an exception
   /// cannot pass through LCM's C code.
   template <class Message, class Handler>
-  void subscribe(const std::string& channel, Handler handler, QueueLimit limit = {}) {
-    subscribe_bytes(
+  SubscriptionId subscribe(const std::string& channel, Handler handler, QueueLimit limit = {}) {
+    return subscribe_bytes(
         channel,
         [this, handler = std::move(handler)](const void* data, int size) {
           Message message{};
@@ -77,12 +80,16 @@ class Subscriber {
         limit);
   }
 
+  /// Ends a subscription: its handler is not called any more, also not for messages that have arrived. Not to be called
+  /// from a handler. An unknown id is ignored.
+  virtual void unsubscribe(SubscriptionId id) = 0;
+
   /// Counts of received messages that were lost or refused.
   [[nodiscard]] virtual Counters counters() const = 0;
 
  protected:
   virtual void count(std::string_view name) = 0;
-  virtual void subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) = 0;
+  virtual SubscriptionId subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) = 0;
 };
 
 }  // namespace curbstone

@@ -66,10 +66,23 @@ class LcmBus::Impl {
     if (lcm_publish(lcm_, channel.c_str(), data, static_cast<unsigned>(size)) != 0) publish_failed_.fetch_add(1);
   }
 
-  void subscribe(const std::string& channel, BytesHandler handler, QueueLimit limit) {
+  SubscriptionId subscribe(const std::string& channel, BytesHandler handler, QueueLimit limit) {
     add({channel, {}, [handler = std::move(handler)](const Message& m) { handler(m.bytes.data(), m.size()); }, limit});
-    channels_.push_back(channel);
-    if (socket_ && !has_tap_) socket_->pass_only(channels_);
+    pass_what_is_wanted();
+    return subscriptions_.back()->id;
+  }
+
+  void unsubscribe(SubscriptionId id) {
+    const auto found = std::find_if(subscriptions_.begin(), subscriptions_.end(),
+                                    [id](const auto& subscription) { return subscription->id == id; });
+    if (found == subscriptions_.end()) return;
+    if ((*found)->handle != nullptr) lcm_unsubscribe(lcm_, (*found)->handle);
+    {
+      const std::scoped_lock lock(queue_mutex_);
+      std::erase_if(queue_, [&](const Message& waiting) { return waiting.subscription == found->get(); });
+      subscriptions_.erase(found);
+    }
+    pass_what_is_wanted();
   }
 
   void tap(Tap tap, QueueLimit limit, const std::string& except) {
@@ -142,6 +155,8 @@ class LcmBus::Impl {
     std::size_t queued = 0;
     std::size_t queued_bytes = 0;
     Impl* bus = nullptr;
+    SubscriptionId id = 0;
+    lcm_subscription_t* handle = nullptr;  // only without a socket of our own
 
     [[nodiscard]] bool wants(std::string_view name) const { return channel.empty() ? name != except : name == channel; }
     [[nodiscard]] bool is_full_for(std::size_t size) const {
@@ -159,6 +174,7 @@ class LcmBus::Impl {
 
   void add(Subscription subscription) {
     subscription.bus = this;
+    subscription.id = ++last_id_;
     {
       const std::scoped_lock lock(queue_mutex_);
       subscriptions_.push_back(std::make_unique<Subscription>(std::move(subscription)));
@@ -171,6 +187,13 @@ class LcmBus::Impl {
       cannot_open(error.what());
     }
     receiver_ = std::thread([this] { receive(); });
+  }
+
+  void pass_what_is_wanted() {
+    if (!socket_ || has_tap_) return;
+    std::vector<std::string> channels;
+    for (const auto& subscription : subscriptions_) channels.push_back(subscription->channel);
+    socket_->pass_only(channels);
   }
 
   /// Buses other than multicast (memq, files) use LCM's receiver.
@@ -187,6 +210,7 @@ class LcmBus::Impl {
     lcm_subscription_t* handle = lcm_subscribe(lcm_, pattern.c_str(), &Impl::on_message, &subscription);
     if (handle == nullptr) throw std::runtime_error(fmt::format("cannot subscribe to {}", pattern));
     lcm_subscription_set_queue_capacity(handle, 0);
+    subscription.handle = handle;
   }
 
   static void on_message(const lcm_recv_buf_t* buffer, const char* channel, void* user) {
@@ -253,9 +277,9 @@ class LcmBus::Impl {
   int wake_fd_ = -1;
   int stop_fd_ = -1;
   mutable std::optional<BusSocket> socket_;
-  std::vector<std::string> channels_;
   std::vector<std::string> large_channels_;
   bool has_tap_ = false;
+  SubscriptionId last_id_ = 0;
   std::mutex queue_mutex_;  // guards the two members below
   std::vector<std::unique_ptr<Subscription>> subscriptions_;
   std::deque<Message> queue_;
@@ -293,8 +317,11 @@ void LcmBus::tap(Tap tap, QueueLimit limit, const std::string& except) {
 void LcmBus::receive_large(std::vector<std::string> channels) {
   impl_->receive_large(std::move(channels));
 }
-void LcmBus::subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) {
-  impl_->subscribe(channel, std::move(handler), limit);
+SubscriptionId LcmBus::subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) {
+  return impl_->subscribe(channel, std::move(handler), limit);
+}
+void LcmBus::unsubscribe(SubscriptionId id) {
+  impl_->unsubscribe(id);
 }
 
 }  // namespace curbstone

@@ -42,6 +42,7 @@ class LcmBus final : public Publisher, public Subscriber, public Tappable {
   /// For poll(): readable when handle() has work. Call handle(0) then.
   [[nodiscard]] int fd() const;
 
+  void unsubscribe(SubscriptionId id) override;
   [[nodiscard]] Counters counters() const override;
   [[nodiscard]] const std::string& url() const;
 
@@ -51,7 +52,7 @@ class LcmBus final : public Publisher, public Subscriber, public Tappable {
  protected:
   void count(std::string_view name) override;
   void publish_bytes(const std::string& channel, const void* data, int size) override;
-  void subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) override;
+  SubscriptionId subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) override;
 
  private:
   class Impl;

@@ -17,25 +17,31 @@ class LocalBus final : public Publisher, public Subscriber, public Tappable {
   /// Publishes encoded bytes, as read from a log.
   void inject(const std::string& channel, const void* data, int size);
   /// Whether the channel has a subscriber.
-  [[nodiscard]] bool hears(const std::string& channel) const { return handlers_.contains(channel); }
+  [[nodiscard]] bool hears(const std::string& channel) const { return subscriptions_.contains(channel); }
   /// Delivers until the queue is empty, including messages that the handlers publish.
   void dispatch();
   /// The tap sees a message when it is published, before its subscribers do.
   void tap(Tap tap, QueueLimit limit = {}, const std::string& except = "") override;
 
+  void unsubscribe(SubscriptionId id) override;
   [[nodiscard]] Counters counters() const override { return counters_; }
 
  protected:
   void count(std::string_view name) override { counters_.add(name); }
   void publish_bytes(const std::string& channel, const void* data, int size) override { inject(channel, data, size); }
-  void subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) override;
+  SubscriptionId subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) override;
 
  private:
   struct Message {
     std::string channel;
     std::vector<std::uint8_t> bytes;
   };
-  std::map<std::string, std::vector<BytesHandler>, std::less<>> handlers_;
+  struct Subscription {
+    SubscriptionId id;
+    BytesHandler handler;
+  };
+  std::map<std::string, std::vector<Subscription>, std::less<>> subscriptions_;  // by channel; none is empty
+  SubscriptionId last_id_ = 0;
   std::deque<Message> queue_;
   Tap tap_;
   std::string untapped_;

@@ -21,20 +21,13 @@ void CloudIntake::tick(std::int64_t now, const Wish& wish, std::int32_t epoch, c
                        Subscriber* bus, Publisher& out) {
   if (is_wanted_ && !wish.any()) forget();
   is_wanted_ = wish.any();
+  points_.tick(now, is_wanted_, bus);
+  voted_.tick(now, wish.saliency, bus);
   if (!is_wanted_) return;
   if (has_saliency_ != wish.saliency) forget();
   has_saliency_ = wish.saliency;
-  if (bus != nullptr) subscribe(*bus);
   look(wish, epoch, pose);
   ask(now, wish, out);
-}
-
-void CloudIntake::subscribe(Subscriber& bus) {
-  if (!records_subscribed_) bus.subscribe<map_points_t>("MAP_POINTS", [this](const map_points_t& m) { on(m); });
-  records_subscribed_ = true;
-  if (!has_saliency_ || revisions_subscribed_) return;
-  revisions_subscribed_ = true;
-  bus.subscribe<voted_points_t>("VOTED_POINTS", [this](const voted_points_t& m) { on(m); });
 }
 
 /// Before the first pose only a cross-section says where.

@@ -15,12 +15,13 @@
 #include "common/tile_sync/tile_sync.hpp"
 #include "services/viewer/frames/cloud_feed.hpp"
 #include "services/viewer/store/dense_cloud.hpp"
+#include "services/viewer/wanted_channel.hpp"
 
 namespace curbstone::viewer {
 
 /// Receives the dense cloud for the pages that ask for it: MAP_POINTS, and VOTED_POINTS while one of them shows
-/// saliencies. Until the first page asks nothing is subscribed to; once none asks any more nothing is kept. Tiles that
-/// were mapped before are requested, a few at a time, the nearest first. One thread.
+/// saliencies. Only while a page asks is anything subscribed to (WantedChannel) or kept. Tiles that were mapped before
+/// are requested, a few at a time, the nearest first. One thread.
 class CloudIntake {
  public:
   static constexpr std::size_t kRequested = 4;             ///< tiles
@@ -53,7 +54,6 @@ class CloudIntake {
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
-  void subscribe(Subscriber& bus);
   void look(const Wish& wish, std::int32_t epoch, const std::optional<map_pose_t>& pose);
   void ask(std::int64_t now, const Wish& wish, Publisher& out);
   void note(store::DenseCloud::Put put, TileKey key, std::int32_t announced);
@@ -63,9 +63,9 @@ class CloudIntake {
   TileFollower records_;
   TileFollower revisions_;
   bool is_wanted_ = false;
-  bool has_saliency_ = false;        // from VOTED_POINTS
-  bool records_subscribed_ = false;  // stays true: the bus has no unsubscribe
-  bool revisions_subscribed_ = false;
+  bool has_saliency_ = false;  // from VOTED_POINTS
+  WantedChannel<map_points_t> points_{"MAP_POINTS", [this](const map_points_t& m) { on(m); }};
+  WantedChannel<voted_points_t> voted_{"VOTED_POINTS", [this](const voted_points_t& m) { on(m); }};
   std::optional<std::int32_t> epoch_;
   std::int64_t last_request_ = 0;  // us
   Counters counters_;

@@ -9,13 +9,7 @@ void FoxgloveNode::connect(Subscriber& bus) {
 
 void FoxgloveNode::tick(std::int64_t now) {
   node_.want_scan(endpoint_.wants(foxglove::kScan));
-  points_wanted_ = endpoint_.wants(foxglove::kPoints);
-  if (points_wanted_ && !points_subscribed_ && subscriber_ != nullptr) {
-    points_subscribed_ = true;
-    subscriber_->subscribe<map_points_t>("MAP_POINTS", [this](const map_points_t& m) {
-      if (points_wanted_) state_.on(m);
-    });
-  }
+  points_.tick(now, endpoint_.wants(foxglove::kPoints), subscriber_);
   endpoint_.tick(state_.world(), now);
 }
 

@@ -5,11 +5,12 @@
 #include "common/bus/node.hpp"
 #include "services/viewer/foxglove/endpoint.hpp"
 #include "services/viewer/foxglove_state.hpp"
+#include "services/viewer/wanted_channel.hpp"
 
 namespace curbstone::viewer {
 
 /// The Foxglove server beside the page: the same state, in Foxglove's protocol. LIDAR_POINTS and MAP_POINTS load the
-/// bus, so they are subscribed to only once a client asks for them.
+/// bus, so they are subscribed to only while a client asks for them.
 class FoxgloveNode final : public Node {
  public:
   /// All arguments but `session` must outlive this. `session`: unique for each run of the process.
@@ -26,8 +27,7 @@ class FoxgloveNode final : public Node {
   FoxgloveState state_;
   foxglove::Endpoint endpoint_;
   Subscriber* subscriber_ = nullptr;
-  bool points_wanted_ = false;      // by a client, at present
-  bool points_subscribed_ = false;  // stays true: the bus has no unsubscribe
+  WantedChannel<map_points_t> points_{"MAP_POINTS", [this](const map_points_t& m) { state_.on(m); }};
 };
 
 }  // namespace curbstone::viewer

@@ -60,13 +60,11 @@ void ViewerNode::connect(Subscriber& bus) {
   bus.subscribe<service_status_t>("SERVICE_STATUS", [this](const service_status_t& m) { on(m); });
 }
 
-/// The LiDAR's points are most of the bus traffic, so they are subscribed to only once a page shows them.
+/// The LiDAR's points are most of the bus traffic, so they are subscribed to only while a page shows them.
 void ViewerNode::watch_scan() {
   const auto shows_it = [](const auto& entry) { return entry.second.feed && entry.second.feed->wants_points(); };
-  scan_wanted_ = scan_wanted_elsewhere_ || std::any_of(pages_.begin(), pages_.end(), shows_it);
-  if (!scan_wanted_ || scan_subscribed_ || subscriber_ == nullptr) return;
-  scan_subscribed_ = true;
-  subscriber_->subscribe<lidar_points_t>("LIDAR_POINTS", [this](const lidar_points_t& m) { on(m); });
+  const bool is_wanted = scan_wanted_elsewhere_ || std::any_of(pages_.begin(), pages_.end(), shows_it);
+  scan_points_.tick(now_, is_wanted, subscriber_);
 }
 
 void ViewerNode::watch_cloud() {
@@ -215,7 +213,7 @@ void ViewerNode::on(const service_status_t& message) {
 }
 
 void ViewerNode::on(const lidar_points_t& message) {
-  if (scan_wanted_ && !scan_.put(message)) counters_.add("refused.points");
+  if (!scan_.put(message)) counters_.add("refused.points");
 }
 
 void ViewerNode::receive(const web::Connections::Event& event) {

@@ -25,6 +25,7 @@
 #include "services/viewer/state_json.hpp"
 #include "services/viewer/store/services.hpp"
 #include "services/viewer/viewer_config.hpp"
+#include "services/viewer/wanted_channel.hpp"
 #include "services/viewer/web/connections.hpp"
 
 namespace curbstone::viewer {
@@ -109,8 +110,7 @@ class ViewerNode final : public Node {
   std::int64_t left_ = 0;  // us, newest pose of the map that the present one replaced; 0: there was none
   store::Services services_;
   Scan scan_;
-  bool scan_subscribed_ = false;
-  bool scan_wanted_ = false;  // at present
+  WantedChannel<lidar_points_t> scan_points_{"LIDAR_POINTS", [this](const lidar_points_t& m) { on(m); }};
   bool scan_wanted_elsewhere_ = false;
   CloudIntake cloud_;
   std::vector<map_trajectory_t> held_;  // of an epoch that may begin

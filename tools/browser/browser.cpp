@@ -181,6 +181,18 @@ void Browser::touch(const Finger& one, const Finger& other) {
   call("Input.dispatchTouchEvent", {{"type", "touchEnd"}, {"touchPoints", json::array()}});
 }
 
+void Browser::swipe(const Finger& finger) {
+  for (int step = 0; step <= 8; ++step) {
+    const double share = step / 8.0;
+    const json at = {{"x", finger.from_x + share * (finger.to_x - finger.from_x)},
+                     {"y", finger.from_y + share * (finger.to_y - finger.from_y)},
+                     {"id", 0}};
+    call("Input.dispatchTouchEvent",
+         {{"type", step == 0 ? "touchStart" : "touchMove"}, {"touchPoints", json::array({at})}});
+  }
+  call("Input.dispatchTouchEvent", {{"type", "touchEnd"}, {"touchPoints", json::array()}});
+}
+
 void Browser::hold(double x, double y, double seconds) {
   call("Input.dispatchTouchEvent",
        {{"type", "touchStart"}, {"touchPoints", json::array({{{"x", x}, {"y", y}, {"id", 0}}})}});

@@ -46,6 +46,8 @@ class Browser {
     double from_x, from_y, to_x, to_y;
   };
   void touch(const Finger& one, const Finger& other);
+  /// One finger from one place to another.
+  void swipe(const Finger& finger);
   /// One finger that rests at a place and is lifted again.
   void hold(double x, double y, double seconds);
   /// Files that the page saves go to this folder.

@@ -29,7 +29,7 @@ import { listen } from "./gestures";
 import { listenToKeys } from "./keys";
 import { Rewind } from "./past/rewind";
 import { Settings } from "./settings";
-import { judge, judgePast, kElsewhere, kNoLink } from "./staleness";
+import { judge, judgePast, kElsewhere, kNoCloud, kNoLink } from "./staleness";
 import { heightRange, isAnyInView, mapBounds, newestTime, placeUnder } from "./survey";
 import { Pose, World } from "./world";
 
@@ -96,7 +96,7 @@ function onFrame(): void {
 
 function showTimeline(): void {
   const { state } = world;
-  if (state?.playback) return timeline.show(state.playback);
+  if (state?.playback) return timeline.show(rewind.playback());
   const isAnything = rewind.isPast || world.tiles.size > 0 || !!state?.pose;  // otherwise there is no past to show
   timeline.show(isAnything ? rewind.playback() : null, { isSeen: !rewind.isPast, isWell });
 }
@@ -159,6 +159,7 @@ function look(): void {
   isWell = now.mood !== "bad";
   const judged = isPast ? judgePast(judge(state, world.services, kNoLink), clock(rewind.behind / 1000)) : now;
   if (!judged.sentence && world.tiles.size > 0 && initialLoad.shown && !isAnyInView(world, camera)) judged.sentence = kElsewhere;
+  if (!judged.sentence && isPast && settings.layers.cloud) judged.sentence = kNoCloud;
   showTimeline();
   if (initialLoad.asksForPart()) redraw();  // the part received so far
   settings.write(camera);
@@ -169,7 +170,7 @@ function look(): void {
   }
   const latency = grey || isPast ? null : state?.latency[0] ?? null;
   byId("latency").textContent = latency === null ? "" : `${seconds(latency)} from sensor to screen`;
-  verdict = showServices(world.services, age);
+  verdict = showServices(world.services, age, state?.playback ?? null);
   if (state) panel.showState(state, motion.speed);
   if (showSource(state)) resize();
   showSummary(state?.source === "map", motion.speed, latency, verdict.faults, verdict.silent);

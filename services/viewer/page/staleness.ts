@@ -19,6 +19,7 @@ export interface Link { isOpen: boolean; age: number; refusal: string }
 /// For a world of the past, which needs no connection.
 export const kNoLink: Link = { isOpen: true, age: 0, refusal: "" };
 export const kElsewhere = "No part of the map is in view. The button with the four corners (0) shows the whole map";
+export const kNoCloud = "The dense cloud is not shown: the past that the page keeps has none";
 
 export function judge(state: State | null, services: Service[], { isOpen, age, refusal }: Link): Judgement {
   if (!isOpen || age > kOld) {

@@ -54,7 +54,8 @@ export interface Localized extends Pose { age: number; here: boolean }
 export interface Place { x: number; y: number; height: number | null }  // m in map
 
 /// How far a log has been played.
-export interface Playback { position: number; progress: number; speed: number; paused: boolean; ended: boolean }
+/// `newMaps`: where in it another map began, 0 .. 1.
+export interface Playback { position: number; progress: number; speed: number; paused: boolean; ended: boolean; newMaps?: number[] }
 
 export interface State {
   source: "live" | "map" | "replay"; title: string; epoch: number; tiles: number; behind: number;
@@ -88,7 +89,7 @@ export class World {
   changed = new Set<Tile>();  // since Pages.upload() cleared it
   gone = new Set<Tile>();     // the same
   cleared = true;
-  copied = 0;                 // number of tiles copied because a snapshot holds them
+  copied = 0;                 // number of tiles that only a snapshot holds: copied, or of an earlier map
   curbs = new Map<number, CurbLine>();
   curbsChanged = true;
   markings = new Map<number, MarkingLine>();
@@ -106,6 +107,7 @@ export class World {
   }
 
   begin(run: number, epoch: number): void {
+    for (const tile of this.tiles.values()) if (tile.kept) ++this.copied;  // only a snapshot holds it from here on
     this.run = run;
     this.epoch = epoch;
     this.number = 0;

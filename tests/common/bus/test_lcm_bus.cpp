@@ -44,6 +44,48 @@ TEST(LcmBus, DeliversOverMemq) {
   EXPECT_EQ(received, 7);
 }
 
+TEST(LcmBus, AnEndedSubscriptionHearsNothingMoreOverMemq) {
+  LcmBus bus("memq://");
+  int imu = 0;
+  const SubscriptionId id = bus.subscribe<imu_t>("IMU", [&](const imu_t&) { ++imu; });
+  bus.unsubscribe(id);
+  bus.publish("IMU", imu_t{});
+  for (int i = 0; i < 4; ++i) bus.handle(10ms);
+  EXPECT_EQ(imu, 0);
+}
+
+/// In a network namespace of its own; see scripts/isolated.
+TEST(LcmBus, AnEndedSubscriptionHearsNothingMoreAndOthersDo) {
+  const char* url = std::getenv("CURBSTONE_TEST_URL");
+  if (url == nullptr) GTEST_SKIP() << "CURBSTONE_TEST_URL not set: run through scripts/isolated";
+  LcmBus bus(url);
+  int imu = 0;
+  int wheels = 0;
+  const SubscriptionId id = bus.subscribe<imu_t>("IMU", [&](const imu_t&) { ++imu; });
+  bus.subscribe<wheels_t>("WHEELS", [&](const wheels_t&) { ++wheels; });
+  LcmBus sender(url);
+  const auto send = [&] {
+    sender.publish("IMU", imu_t{});
+    sender.publish("WHEELS", wheels_t{});
+  };
+  send();
+  handle_until(bus, [&] { return imu == 1 && wheels == 1; });
+  EXPECT_EQ(imu, 1);
+  send();
+  std::this_thread::sleep_for(200ms);  // they wait in the queue
+  bus.unsubscribe(id);
+  bus.unsubscribe(id);
+  send();
+  handle_until(bus, [&] { return wheels == 3; });
+  EXPECT_EQ(wheels, 3);
+  EXPECT_EQ(imu, 1);
+  EXPECT_EQ(bus.counters()["dropped.queue"] + bus.counters()["dropped.kernel"], 0);
+  bus.subscribe<imu_t>("IMU", [&](const imu_t&) { ++imu; });
+  send();
+  handle_until(bus, [&] { return imu == 2; });
+  EXPECT_EQ(imu, 2) << "and again";
+}
+
 TEST(LcmBus, ATapSeesEveryChannelWithTheTimeOfItsMessages) {
   LcmBus bus("memq://");
   std::vector<std::string> channels;

@@ -26,6 +26,25 @@ TEST(LocalBus, DeliversInOrderOfPublicationIncludingWhatHandlersPublish) {
   EXPECT_EQ(order, (std::vector<std::string>{"A1", "A2", "B1", "B2"}));
 }
 
+TEST(LocalBus, AnEndedSubscriptionHearsNothingMoreAndOthersDo) {
+  LocalBus bus;
+  int first = 0;
+  int second = 0;
+  const SubscriptionId id = bus.subscribe<imu_t>("A", [&](const imu_t&) { ++first; });
+  const SubscriptionId other = bus.subscribe<imu_t>("A", [&](const imu_t&) { ++second; });
+  bus.publish("A", imu_t{});
+  bus.unsubscribe(id);
+  bus.dispatch();
+  EXPECT_EQ(first, 0) << "not even what was published before";
+  EXPECT_EQ(second, 1);
+  bus.publish("A", imu_t{});
+  bus.unsubscribe(other);
+  bus.unsubscribe(other);
+  bus.dispatch();
+  EXPECT_EQ(second, 1);
+  EXPECT_FALSE(bus.hears("A"));
+}
+
 TEST(LocalBus, CountsWhatDoesNotDecode) {
   LocalBus bus;
   bus.subscribe<imu_t>("A", [](const imu_t&) { FAIL(); });

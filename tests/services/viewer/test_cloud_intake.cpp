@@ -127,6 +127,28 @@ TEST_F(CloudIntakeTest, SaliencyIsOfTheVotersAndPointsShowWithoutIt) {
   EXPECT_EQ(tiles(), 0U);
 }
 
+TEST_F(CloudIntakeTest, HearsAChannelOnlyWhileItIsWantedAndSomeSecondsLonger) {
+  pass(0.1);
+  EXPECT_FALSE(bus_.hears("MAP_POINTS") || bus_.hears("VOTED_POINTS"));
+  wish_.add({.wide = true, .saliency = true});
+  pass(0.1);
+  EXPECT_TRUE(bus_.hears("MAP_POINTS") && bus_.hears("VOTED_POINTS"));
+  wish_ = {};
+  wish_.add({.wide = true});
+  pass(4);
+  EXPECT_TRUE(bus_.hears("VOTED_POINTS")) << "the page may come back";
+  pass(2);
+  EXPECT_FALSE(bus_.hears("VOTED_POINTS"));
+  EXPECT_TRUE(bus_.hears("MAP_POINTS"));
+  wish_ = {};
+  pass(6);
+  EXPECT_FALSE(bus_.hears("MAP_POINTS"));
+  wish_.add({.wide = true, .saliency = true});
+  pass(0.1);
+  receive("VOTED_POINTS", voted({0, 0}, 0, 10, 0, 1));
+  EXPECT_EQ(tiles(), 1U) << "and can be wanted again";
+}
+
 TEST_F(CloudIntakeTest, ANewEpochEmptiesIt) {
   wish_.add({.wide = true});
   pass(0.1);

@@ -49,9 +49,22 @@ class NewMapTest : public ::testing::Test {
     bus_.publish("MAP_TRAJECTORY", drive);
     bus_.dispatch();
   }
+  void put_tile(int x, std::int32_t epoch) {
+    semantic_tile_t tile{};
+    tile.utime = kBegan;
+    tile.epoch = epoch;
+    tile.tile_x = x;
+    tile.revision = 1;
+    bus_.publish("SEMANTIC_TILE", tile);
+    bus_.dispatch();
+  }
+  std::size_t tiles_on_the_page() {
+    new_map_age();
+    return page_.tiles.size();
+  }
   nlohmann::json new_map_age() {
     node_.tick(now_ += 200'000);
-    FrameReader page;
+    FrameReader& page = page_;
     for (const auto& [id, frame] : std::exchange(connections_.sent, {})) {
       const std::string number = std::to_string(page.read(*frame));
       connections_.events.push_back({id, web::Connections::Event::Kind::kMessage, R"({"ack": )" + number + "}", now_});
@@ -62,6 +75,7 @@ class NewMapTest : public ::testing::Test {
  private:
   LocalBus bus_;
   FakeConnections connections_;
+  FrameReader page_;
   ViewerNode node_;
   std::int64_t now_ = kBegan;
 };
@@ -82,6 +96,26 @@ TEST_F(NewMapTest, IsNotOneThatWasCorrectedAsAWhole) {
 TEST_F(NewMapTest, IsNotOneWhoseDriveWasLostOnTheBus) {
   begin_epoch(kBegan + 9'000'000, 40);
   EXPECT_TRUE(new_map_age().is_null());
+}
+
+/// The owner of the tiles hears of it later than the mapper says it, or never.
+TEST_F(NewMapTest, MixesNoTilesThoughOnlyTheMapperSaysIt) {
+  put_tile(0, kBefore);
+  EXPECT_EQ(tiles_on_the_page(), 1U);
+  begin_epoch(kBegan + 9'000'000, 0.2);
+  EXPECT_EQ(tiles_on_the_page(), 0U) << "those of the earlier map are gone at once";
+  put_tile(1, kBefore);
+  EXPECT_EQ(tiles_on_the_page(), 0U) << "and the owner's late ones are no longer taken";
+  put_tile(2, kAfter);
+  EXPECT_EQ(tiles_on_the_page(), 1U);
+  for (int i = 0; i < 100; ++i) put_tile(i, kBefore);
+  EXPECT_EQ(tiles_on_the_page(), 1U) << "however long the owner goes on";
+}
+
+TEST_F(NewMapTest, IsNotOneBecauseTheOwnerOfTheTilesSaysIt) {
+  put_tile(0, kBefore);
+  for (int i = 0; i < 100; ++i) put_tile(i, kAfter);
+  EXPECT_EQ(tiles_on_the_page(), 1U) << "only the mapper begins one";
 }
 
 TEST_F(NewMapTest, StaysOneThoughItIsCorrectedAsAWhole) {

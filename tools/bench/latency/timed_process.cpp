@@ -22,7 +22,7 @@ void TimedProcess::run(std::unique_ptr<Node> node) {
 }
 
 void TimedProcess::deliver(const TimedMessage& message) {
-  if (handlers_.contains(message.channel)) inbox_.emplace(message.at, message);
+  if (subscriptions_.contains(message.channel)) inbox_.emplace(message.at, message);
 }
 
 std::int64_t TimedProcess::next() const {
@@ -40,7 +40,8 @@ std::int64_t TimedProcess::work(std::int64_t at) {
   } else if (may_idle_ = true; !inbox_.empty() && inbox_.begin()->first < tick_) {
     const TimedMessage message = std::move(inbox_.begin()->second);
     inbox_.erase(inbox_.begin());
-    handlers_.find(message.channel)->second(message.bytes->data(), static_cast<int>(message.bytes->size()));
+    subscriptions_.find(message.channel)
+        ->second.handler(message.bytes->data(), static_cast<int>(message.bytes->size()));
     const std::int64_t now = begun_ + spent();
     if (inbox_.empty() || inbox_.begin()->first > now) node_->caught_up(now);
   } else {
@@ -65,8 +66,13 @@ void TimedProcess::publish_bytes(const std::string& channel, const void* data, i
   send_({begun_ + spent(), channel, std::make_shared<std::vector<std::uint8_t>>(bytes, bytes + size)});
 }
 
-void TimedProcess::subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit) {
-  handlers_[channel] = std::move(handler);
+SubscriptionId TimedProcess::subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit) {
+  subscriptions_[channel] = {++last_id_, std::move(handler)};
+  return last_id_;
+}
+
+void TimedProcess::unsubscribe(SubscriptionId id) {
+  std::erase_if(subscriptions_, [id](const auto& entry) { return entry.second.id == id; });
 }
 
 }  // namespace curbstone::bench::latency

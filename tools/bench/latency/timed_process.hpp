@@ -49,19 +49,25 @@ class TimedProcess final : public Publisher, public Subscriber {
   [[nodiscard]] std::int64_t cpu_us() const { return cpu_; }
   /// CPU time of the longest work item since the last call, us.
   std::int64_t take_longest_us() { return std::exchange(longest_, 0); }
+  void unsubscribe(SubscriptionId id) override;
   [[nodiscard]] Counters counters() const override { return counters_; }
 
  protected:
   void publish_bytes(const std::string& channel, const void* data, int size) override;
   void count(std::string_view name) override { counters_.add(name); }
-  void subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) override;
+  SubscriptionId subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) override;
 
  private:
   [[nodiscard]] std::int64_t spent() const;
   std::int64_t tick_;
   Send send_;
   std::unique_ptr<Node> node_;
-  std::map<std::string, BytesHandler, std::less<>> handlers_;
+  struct Subscription {
+    SubscriptionId id = 0;
+    BytesHandler handler;
+  };
+  std::map<std::string, Subscription, std::less<>> subscriptions_;  // by channel, one each
+  SubscriptionId last_id_ = 0;
   std::multimap<std::int64_t, TimedMessage> inbox_;  // equal times keep their order
   std::int64_t free_ = 0;                            // us, end of the present work item
   bool may_idle_ = false;                            // the node may have deferred work for idle times

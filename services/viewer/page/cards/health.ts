@@ -1,6 +1,6 @@
 // The processes and their faults.
 import { byId, bytes, make, seconds } from "../format";
-import { Service } from "../world";
+import { Playback, Service } from "../world";
 import { LossHistory } from "./loss_history";
 
 const kSilent = 2.5;   // s: SERVICE_STATUS comes each second
@@ -11,27 +11,39 @@ const history = new LossHistory();
 
 export interface Verdict { faults: number; silent: number; all: number }
 
-export function showServices(services: Service[], age: number): Verdict {
+/// `log`: of a log that is played. While it stands nobody can be heard, so silence is counted from the last one that was.
+/// At its end the states are those of processes that were being ended, one after the other: they are no alarms.
+export function showServices(services: Service[], age: number, log: Playback | null): Verdict {
   history.note(services);
-  const seen = services.map(s => ({ ...s, age: s.age + age })).filter(s => s.age < kForget);
-  const faults = seen.filter(s => s.faults.length > 0).length, silent = seen.filter(s => s.age > kSilent).length;
-  byId("services").replaceChildren(...(seen.length ? seen.map(row) : [make("li", "None has been heard.", "none")]));
+  const stands = !!log && (log.paused || log.ended), isOver = !!log?.ended;
+  const from = stands ? -Math.min(...services.map(s => s.age)) : age;
+  const seen = services.map(s => ({ ...s, age: s.age + from })).filter(s => s.age < kForget);
+  const faults = isOver ? 0 : seen.filter(s => s.faults.length > 0).length, silent = isOver ? 0 : seen.filter(s => s.age > kSilent).length;
+  byId("services").replaceChildren(...(seen.length ? seen.map(s => row(s, isOver)) : [make("li", "None has been heard.", "none")]));
   const verdict = byId("verdict");
-  verdict.textContent = seen.length === 0 ? "" : faults ? `${faults} with faults` : silent ? `${silent} silent` : "all well";
-  verdict.className = faults || silent ? "bad" : "good";
+  verdict.textContent = seen.length === 0 ? "" : isOver ? "at the end of the log" : faults ? `${faults} with faults` : silent ? `${silent} silent` : "all well";
+  verdict.className = isOver ? "" : faults || silent ? "bad" : "good";
+  showTotal(seen.filter(s => s.age <= kSilent));
   return { faults, silent, all: seen.length };
 }
 
-function row(service: Service): HTMLElement {
+/// Of the processes that are heard.
+function showTotal(heard: Service[]): void {
+  const sum = (of: (service: Service) => number) => heard.reduce((all, service) => all + of(service), 0);
+  byId("total").replaceChildren(...(heard.length < 2 ? [] :
+    [make("b", `All ${heard.length}`), make("span", `${percent(sum(s => s.cpu))} of a core  ·  ${bytes(sum(s => s.memory))}`)]));
+}
+
+function row(service: Service, isOver: boolean): HTMLElement {
   const silent = service.age > kSilent;
-  const numbers = silent ? `silent for ${seconds(service.age)}` :
+  const numbers = silent && !isOver ? `silent for ${seconds(service.age)}` :
     [percent(service.cpu), bytes(service.memory), ...latency(service)].join("  ·  ");
   const head = make("div", "", "row", make("b", service.name), make("span", numbers, "numbers"));
   head.title = `${service.host}, pid ${service.pid}, up for ${seconds(service.uptime)}, ${service.version}`;
-  const item = make("li", "", silent ? "silent" : service.faults.length ? "fault" : "", head);
-  for (const fault of service.faults) item.append(make("p", fault, "words"));
+  const item = make("li", "", isOver ? "over" : silent ? "silent" : service.faults.length ? "fault" : "", head);
+  for (const fault of service.faults) item.append(make("p", fault, isOver ? "" : "words"));
   const growing = service.losses.filter(([, , rate]) => rate > 0);
-  const line = silent ? null : history.line(service.name);
+  const line = silent || isOver ? null : history.line(service.name);
   if (line) item.append(make("p", growing.map(loss).join(", ") || "nothing lost any more", "loss", line));
   return item;
 }

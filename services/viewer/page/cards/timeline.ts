@@ -1,5 +1,5 @@
 // The time line of a log that is played, or of the last minutes: pause, speed, position.
-import { byId } from "../format";
+import { byId, make } from "../format";
 import { Playback } from "../world";
 
 const kSpeeds = [1, 2, 5, 10, 0.5];
@@ -53,9 +53,23 @@ export class Timeline {
     byId("pause").textContent = playback.ended ? "↺" : playback.paused ? "▶" : "❚❚";
     byId("pause").title = playback.ended ? "From the beginning" : playback.paused ? "Go on (space)" : "Pause (space)";
     byId("speed").textContent = `${playback.speed}×`;
+    this.mark(playback.newMaps ?? []);
     if (this.sliding) return;
     this.slider.value = String(playback.progress * 1000);
     this.showPlace(playback.position);
+  }
+
+  /// Places, 0 .. 1, at which another map began.
+  private mark(places: number[]): void {
+    const marks = byId("new-maps");
+    while (marks.children.length > places.length) marks.lastChild!.remove();
+    places.forEach((place, i) => {
+      let mark = marks.children[i] as HTMLElement | undefined;
+      if (!mark) marks.append(mark = make("i"));
+      mark.title = "A new map began";
+      mark.style.setProperty("--place", String(Math.min(1, place)));
+    });
+    this.slider.setAttribute("aria-description", places.length ? `${places.length === 1 ? "A new map began" : `${places.length} new maps began`} in this time` : "");
   }
 
   private wanted(): number { return Number(this.slider.value) / 1000 * this.length; }

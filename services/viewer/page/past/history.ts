@@ -2,6 +2,7 @@
 // which they can be applied. Bounded in time and in bytes.
 import { readFrame } from "../decode";
 import { Snapshot, World } from "../world";
+import { NewMaps } from "./new_maps";
 import { thinScan } from "./thin_scan";
 
 const kSpan = 600_000;        // ms
@@ -13,6 +14,7 @@ interface Frame { at: number; bytes: ArrayBuffer }
 interface Segment { at: number; before: Snapshot; frames: Frame[]; bytes: number }
 
 export class History {
+  newMaps = new NewMaps();  // ms
   private segments: Segment[] = [];
   private copied = 0;  // tiles the world had copied at the last call
 
@@ -23,7 +25,10 @@ export class History {
   get oldest(): number | null { return this.segments[0]?.frames[0]?.at ?? null; }
   get newest(): number { return lastOf(lastOf(this.segments)?.frames ?? [])?.at ?? 0; }
 
-  clear(): void { this.segments = []; }
+  clear(): void {
+    this.segments = [];
+    this.newMaps.clear();
+  }
 
   /// Call it before a frame is applied to `world`.
   expect(world: World, at: number): void {
@@ -38,6 +43,7 @@ export class History {
   /// Call it after the frame was applied.
   add(world: World, bytes: ArrayBuffer, at: number): void {
     const last = lastOf(this.segments)!;
+    this.newMaps.note(world, at);
     const kept = thinScan(bytes);
     last.frames.push({ at, bytes: kept });
     // A copied tile is held by the snapshots up to this segment's, and is freed with it.

@@ -3,12 +3,14 @@ import { PlaybackCommand } from "../cards/timeline";
 import { readFrame } from "../decode";
 import { Playback, World } from "../world";
 import { History } from "./history";
+import { NewMaps } from "./new_maps";
 
 const kRound = 50;  // ms between two steps of playing
 
 export class Rewind {
   live: World;  // the live world; it is the shown one, unless the past is shown
   history = new History();
+  private played = new NewMaps();  // s of a log, as far as it was played
   private place: number | null = null;  // ms of performance.now(), the shown time of the past; null: live
   private newest = 0;                   // ms, when the newest frame of the shown past was received
   private isPaused = false;
@@ -28,7 +30,11 @@ export class Rewind {
   /// Takes a received frame. Returns its number.
   take(bytes: ArrayBuffer): number {
     const now = performance.now(), { live, history } = this;
-    if (live.state && live.state.source !== "live") return readFrame(bytes, live);
+    if (live.state && live.state.source !== "live") {
+      const frame = readFrame(bytes, live);
+      this.played.note(live, live.state?.playback?.position ?? 0);
+      return frame;
+    }
     history.expect(live, now);
     const frame = readFrame(bytes, live);
     history.add(live, bytes, now);
@@ -36,13 +42,15 @@ export class Rewind {
     return frame;
   }
 
-  /// For the time line; null: there is no history yet.
+  /// For the time line: of a log, or of the history; null: there is neither yet.
   playback(): Playback | null {
+    const log = this.live.state?.playback;
+    if (log) return { ...log, newMaps: this.played.places.map(place => place / log.position * log.progress).filter(share => share <= 1) };  // not NaN at its start
     const { oldest, newest } = this.history;
     if (oldest === null || newest - oldest < 2000) return null;
     const place = this.place ?? newest, span = Math.max(newest, place) - oldest;
     return { position: (place - oldest) / 1000, progress: (place - oldest) / span, speed: this.speed,
-      paused: this.isPaused, ended: false };
+      paused: this.isPaused, ended: false, newMaps: this.history.newMaps.places.map(at => (at - oldest) / span).filter(share => share > 0) };
   }
 
   order({ pause, speed, position }: PlaybackCommand): void {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cstdlib>
 
 #include "common/time/clock.hpp"
 
@@ -76,14 +77,19 @@ void PageOnABus::begin_epoch() {
   browser->pass(0.2);  // the mapper's poses announce it
 }
 
-void PageOnABus::send_playback() {
-  node_->set_playback({.position = 12, .progress = 0.4, .speed = 1, .paused = false, .ended = false});
+void PageOnABus::send_playback(bool paused, bool ended) {
+  node_->set_playback({.position = 12, .progress = 0.4, .speed = 1, .paused = paused, .ended = ended});
 }
 
 void PageOnABus::put(const semantic_tile_t& tile) {
   tiles[{tile.tile_x, tile.tile_y}] = tile;
   tiles[{tile.tile_x, tile.tile_y}].revision = ++revision_;
   send("SEMANTIC_TILE", tiles[{tile.tile_x, tile.tile_y}]);
+}
+
+void PageOnABus::put_roads(int from, int to) {
+  for (int y = from; y < to; ++y)
+    for (int x = from; x < to; ++x) put(tile_of(x, y, semantic_tile_t::ROAD));
 }
 
 semantic_tile_t PageOnABus::tile_of(int x, int y, std::int8_t cell_class) const {
@@ -136,6 +142,13 @@ int PageOnABus::wrong_cells(const semantic_tile_t& tile, const Picture& picture,
 
 std::string PageOnABus::text_of(const std::string& selector) {
   return browser->evaluate(fmt::format("document.querySelector('{}').innerText", selector));
+}
+
+void PageOnABus::keep_picture(const std::string& name) {
+  const char* const folder = std::getenv("CURBSTONE_TEST_PICTURES");
+  if (folder == nullptr) return;
+  browser->pass(0.4);
+  browser->save_picture(fmt::format("{}/{}.png", folder, name));
 }
 
 bool PageOnABus::shows(const std::string& selector, const std::string& words, double seconds) {

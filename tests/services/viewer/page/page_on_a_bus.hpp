@@ -45,7 +45,10 @@ class PageOnABus : public ::testing::Test {
   /// The mapper has started anew: what is said from here on is of another map.
   void begin_epoch();
   void put(const semantic_tile_t& tile);
-  void send_playback();
+  /// The page then has the time line of a log; `ended` or not.
+  void send_playback(bool paused = false, bool ended = false);
+  /// A square of road: tiles from .. to - 1 in x and y.
+  void put_roads(int from, int to);
   [[nodiscard]] semantic_tile_t tile_of(int x, int y, std::int8_t cell_class) const;
   [[nodiscard]] static Rgb colour_of(int cell_class);  // light theme; of none: the paper's is no colour
   /// Where the page has a place of the map.
@@ -54,6 +57,8 @@ class PageOnABus : public ::testing::Test {
   /// under a card or beyond the window do not count; `seen` is how many did.
   int wrong_cells(const semantic_tile_t& tile, const Picture& picture, int* seen);
   std::string text_of(const std::string& selector);
+  /// A picture to look at, if CURBSTONE_TEST_PICTURES names a folder for them.
+  void keep_picture(const std::string& name);
   bool shows(const std::string& selector, const std::string& words, double seconds = 30);
 
   double vehicle_x = 0;      // m, and as fast as the test says

@@ -14,14 +14,22 @@ constexpr const char* kCloudView = "at=0,0,40,0&follow=0&theme=light&off=relief.
 /// A road with the dense cloud over the tile (-1, -1): a patch of points 0.1 m apart, all at one height.
 class PageCloud : public PageOnABus {
  protected:
+  void SetUp() override {
+    PageOnABus::SetUp();
+    if (IsSkipped()) return;
+    vehicle_x = 10;
+    put_roads(-2, 2);
+  }
   static constexpr int kPatchAside = 20;  // points
   static constexpr int kApart = 50;       // steps of 2 mm
   static constexpr int kCorner = 25;      // the first one's x and y
 
-  void put_road() {
-    vehicle_x = 10;
-    for (int y = -2; y < 2; ++y)
-      for (int x = -2; x < 2; ++x) put(tile_of(x, y, semantic_tile_t::ROAD));
+  /// Over a road, with the cloud as it is chosen in the page's address; `z` in steps.
+  void show_patch(const std::string& view, std::int16_t z, std::uint8_t intensity) {
+    open(view);
+    browser->pass(0.5);  // until the viewer has heard what the page wants
+    send("MAP_POINTS", patch(z, intensity));
+    ASSERT_TRUE(has(kPatchAside * kPatchAside));
   }
   map_points_t patch(std::int16_t z, std::uint8_t intensity) const {
     map_points_t message{};
@@ -68,7 +76,6 @@ class PageCloud : public PageOnABus {
 constexpr std::array<int, 3> kCloudHigh = {253, 231, 37}, kCloudLow = {68, 1, 84};  // page/drawing/palette.ts
 
 TEST_F(PageCloud, IsOffUntilItIsAskedForAndIsEmptiedWhenItIsOff) {
-  put_road();
   open(kCloudView);
   send("MAP_POINTS", patch(1200, 64));
   browser->pass(0.5);
@@ -96,11 +103,7 @@ TEST_F(PageCloud, IsOffUntilItIsAskedForAndIsEmptiedWhenItIsOff) {
 }
 
 TEST_F(PageCloud, IsColouredByWhatIsChosen) {
-  put_road();
-  open(fmt::format("{}&cloud=height", kCloudView));
-  browser->pass(0.5);
-  send("MAP_POINTS", patch(-500, 255));
-  ASSERT_TRUE(has(kPatchAside * kPatchAside));
+  show_patch(fmt::format("{}&cloud=height", kCloudView), -500, 255);
   EXPECT_TRUE(is_like(at_point(5, 5), kCloudLow)) << "a metre below the ground";
   want("Intensity");
   EXPECT_TRUE(is_like(at_point(5, 5), {255, 234, 70})) << "as bright as it gets";
@@ -120,11 +123,7 @@ TEST_F(PageCloud, IsColouredByWhatIsChosen) {
 }
 
 TEST_F(PageCloud, StandsAtItsHeightInTheTiltedView) {
-  put_road();
-  open(fmt::format("{}&cloud=height&tilt=50", kCloudView));
-  browser->pass(0.5);
-  send("MAP_POINTS", patch(1000, 64));
-  ASSERT_TRUE(has(kPatchAside * kPatchAside));
+  show_patch(fmt::format("{}&cloud=height&tilt=50", kCloudView), 1000, 64);
   browser->pass(0.5);
   EXPECT_TRUE(is_like(at_point(5, 5, 2), kCloudHigh));
   EXPECT_TRUE(is_like(at_point(19, 19, 2), kCloudHigh));
@@ -133,7 +132,6 @@ TEST_F(PageCloud, StandsAtItsHeightInTheTiltedView) {
 }
 
 TEST_F(PageCloud, ACrossSectionBringsAndShowsThePointsAcrossTheCurb) {
-  put_road();
   curb_line_t line{};
   for (const float x : {-3.0F, -2.0F, -1.0F, 0.0F}) {
     line.x.push_back(x);
@@ -176,17 +174,14 @@ TEST_F(PageCloud, ACrossSectionBringsAndShowsThePointsAcrossTheCurb) {
 }
 
 TEST_F(PageCloud, ThePastHasNoneAndSaysSo) {
-  put_road();
   speed = 1;
-  open("at=0,0,20,0&follow=0&theme=light&cloud=height");
-  browser->pass(0.5);
-  send("MAP_POINTS", patch(0, 64));
-  ASSERT_TRUE(has(kPatchAside * kPatchAside));
+  show_patch("at=0,0,20,0&follow=0&theme=light&cloud=height", 0, 64);
   ASSERT_TRUE(browser->comes_to("curbstone.rewind.playback()"));
   browser->pass(1);
   browser->press(' ');
   EXPECT_TRUE(browser->comes_to("curbstone.rewind.isPast"));
   EXPECT_TRUE(shows("#cloud", "has no dense cloud"));
+  EXPECT_TRUE(shows("#curtain", "The dense cloud is not shown")) << "where the panel is folded, too";
   EXPECT_EQ(browser->evaluate("curbstone.world.cloud.points"), 0);
   map_points_t more = patch(0, 64);
   more.tile_x = 0;
@@ -195,10 +190,27 @@ TEST_F(PageCloud, ThePastHasNoneAndSaysSo) {
   browser->press('l');
   EXPECT_TRUE(has(2 * kPatchAside * kPatchAside));
   EXPECT_THAT(text_of("#cloud"), Not(HasSubstr("has no dense cloud")));
+  EXPECT_TRUE(browser->comes_to("document.getElementById('curtain').hidden"));
+}
+
+/// Whoever sees no hues still sees which is more: from end to end each ramp only becomes lighter, or only darker.
+TEST_F(PageCloud, HasRampsThatGoByLightnessAlone) {
+  for (const char* theme : {"light", "dark"}) {
+    for (const char* by : {"height", "intensity", "surface", "line"}) {
+      open(fmt::format("at=0,0,20,0&follow=0&theme={}&cloud={}", theme, by));
+      const auto lights = browser->evaluate(
+          "getComputedStyle(document.querySelector('#cloud-legend .ramp')).backgroundImage.match(/rgb\\([^)]*\\)/g)"
+          ".map(c => c.match(/\\d+/g).map(Number)).map(([r, g, b]) => 0.2126 * r + 0.7152 * g + 0.0722 * b)");
+      ASSERT_EQ(lights.size(), 8U) << theme << " " << by;
+      const bool rises = lights[7].get<double>() > lights[0].get<double>();
+      for (std::size_t i = 1; i < 8; ++i)
+        EXPECT_GT((lights[i].get<double>() - lights[i - 1].get<double>()) * (rises ? 1 : -1), 2)
+            << theme << " " << by << " " << i;
+    }
+  }
 }
 
 TEST_F(PageCloud, KeepsNoMorePointsThanItMay) {
-  put_road();
   open(kCloudView);
   // Tiles of 1,000 points each, from the far away to the view at (0, 0); the vehicle is at 300 m.
   const auto left = browser->evaluate(R"((() => {

@@ -14,8 +14,7 @@ class PageHands : public PageOnABus {
  protected:
   void put_a_road() {
     vehicle_x = 8;
-    for (int x = -2; x < 2; ++x)
-      for (int y = -2; y < 2; ++y) put(tile_of(x, y, semantic_tile_t::ROAD));
+    put_roads(-2, 2);
   }
   double camera(const std::string& what) { return browser->evaluate("curbstone.camera." + what); }
 };

@@ -110,6 +110,51 @@ TEST_F(PageRewind, GoesOnThoughTheViewerDiesAndSaysSo) {
   EXPECT_TRUE(browser->comes_to("curbstone.world.tiles.size === 2"));
 }
 
+TEST_F(PageRewind, MarksWhereANewMapBeganAndMixesNoTilesOfTheTwo) {
+  vehicle_x = 8;
+  speed = 1;
+  put(tile_of(-1, -1, semantic_tile_t::OBSTACLE));
+  put(tile_of(0, -1, semantic_tile_t::OBSTACLE));
+  open(kStraightDown);
+  browser->pass(2.5);
+  EXPECT_EQ(browser->evaluate("document.querySelectorAll('#new-maps i').length"), 0);
+  vehicle_x = 0;  // the new map's origin
+  begin_epoch();
+  vehicle_x = 20;
+  put(tile_of(-1, -1, semantic_tile_t::ROAD));
+  ASSERT_TRUE(browser->comes_to("curbstone.world.tiles.size === 1 && curbstone.world.tileAt(-1, -1)"));
+  browser->pass(2.5);
+  ASSERT_TRUE(browser->comes_to("document.querySelectorAll('#new-maps i').length === 1"));
+  const double mark = browser->evaluate("+document.querySelector('#new-maps i').style.getPropertyValue('--place')");
+  EXPECT_GT(mark, 0.2);
+  EXPECT_LT(mark, 0.8);
+
+  browser->press(' ');
+  const auto is_the_old_one = [&] {
+    EXPECT_EQ(wrong_cells_now(tile_of(-1, -1, semantic_tile_t::OBSTACLE)), 0);
+    EXPECT_EQ(wrong_cells_now(tile_of(0, -1, semantic_tile_t::OBSTACLE)), 0);
+  };
+  const auto is_the_new_one = [&] {
+    EXPECT_TRUE(browser->comes_to("curbstone.world.tiles.size === 1"));
+    EXPECT_EQ(wrong_cells_now(tile_of(-1, -1, semantic_tile_t::ROAD)), 0);
+    int seen = 0;
+    EXPECT_GT(wrong_cells(tile_of(0, -1, semantic_tile_t::OBSTACLE), browser->picture(), &seen), 600) << "it is gone";
+  };
+  drag_to(mark / 2);
+  is_the_old_one();
+  drag_to((1 + mark) / 2);
+  is_the_new_one();
+  drag_to(mark / 2);
+  is_the_old_one();
+  browser->press(' ');  // plays over the mark
+  EXPECT_TRUE(
+      browser->comes_to("curbstone.world.epoch === curbstone.rewind.live.epoch && curbstone.world.tileAt(-1, -1)"));
+  EXPECT_EQ(browser->evaluate("curbstone.rewind.isPast"), true);
+  browser->press(' ');
+  is_the_new_one();
+  keep_picture("new_map");
+}
+
 TEST_F(PageRewind, KeepsNoMoreBytesThanItMay) {
   bus_is_alive = false;  // it is about what is kept, not about what is drawn
   open(kStraightDown);

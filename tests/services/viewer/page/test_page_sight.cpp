@@ -7,9 +7,6 @@ namespace {
 
 class PageSight : public PageOnABus {
  protected:
-  void put_road() {
-    for (int i = 0; i < 9; ++i) put(tile_of(i % 3 - 1, i / 3 - 1, semantic_tile_t::ROAD));
-  }
   /// Whether two elements that are there lie on each other.
   bool overlap(const std::string& one, const std::string& other) {
     return browser->evaluate("(() => { const [a, b] = ['" + one + "', '" + other +
@@ -23,7 +20,7 @@ class PageSight : public PageOnABus {
 };
 
 TEST_F(PageSight, ForcedColoursLeaveTheLegendAndWhatIsOn) {
-  put_road();
+  put_roads(-1, 2);
   browser->prefer({{"forced-colors", "active"}, {"prefers-color-scheme", "dark"}});
   open("");
   EXPECT_EQ(style_of("#legend .keys i", "background-color"), "rgb(70, 78, 89)") << "the road's key, as on the map";
@@ -34,7 +31,7 @@ TEST_F(PageSight, ForcedColoursLeaveTheLegendAndWhatIsOn) {
 }
 
 TEST_F(PageSight, AnEllipseLargerThanTheViewTintsNoMap) {
-  put_road();
+  put_roads(-1, 2);
   bus_is_alive = false;
   open("at=0,0,40,0&follow=0&theme=light&off=relief.curbs.path.points");
   map_pose_t pose{};
@@ -55,7 +52,7 @@ TEST_F(PageSight, AnEllipseLargerThanTheViewTintsNoMap) {
 }
 
 TEST_F(PageSight, ASentenceLiesOnNoCard) {
-  put_road();
+  put_roads(-1, 2);
   struct Screen {
     int width, height;
     bool touch;
@@ -75,7 +72,7 @@ TEST_F(PageSight, ASentenceLiesOnNoCard) {
 }
 
 TEST_F(PageSight, TheMapShowsThatTheKeyboardMovesIt) {
-  put_road();
+  put_roads(-1, 2);
   open("theme=light&panel=0");
   const auto frame = [&] { return browser->picture().at(4, 400); };  // at the left edge
   const Rgb before = frame();
@@ -87,7 +84,7 @@ TEST_F(PageSight, TheMapShowsThatTheKeyboardMovesIt) {
 }
 
 TEST_F(PageSight, AHeadingIsNeverFullCircle) {
-  put_road();
+  put_roads(-1, 2);
   bus_is_alive = false;
   open("theme=light");
   map_pose_t pose{};
