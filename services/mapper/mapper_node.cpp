@@ -59,6 +59,7 @@ void MapperNode::connect(Subscriber& bus) {
 }
 
 void MapperNode::on(const lidar_points_t& message) {
+  sensor_monitor_.heard();
   input_.add(message);
   process_due(false);
 }
@@ -231,6 +232,7 @@ void MapperNode::caught_up(std::int64_t now) {
 }
 
 void MapperNode::tick(std::int64_t now) {
+  sensor_monitor_.tick(now);
   input_.tick(now);
   process_due(false);
   if (epoch_ == 0) return;

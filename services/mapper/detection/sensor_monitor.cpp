@@ -6,6 +6,9 @@ void SensorMonitor::clean(scan::Scan& scan) {
   const bool moved = (position_ - looked_).norm() >= returns::LaserElevations::kStep;
   if (moved) looked_ = position_;
   if (moved) sectors_.check(scan);
+  steps_.check(scan);
+  dead_.check(scan, moved);
+  intensity_.check(scan);
   ground_.check(scan, moved);
   strays_.filter(scan);
   lasers_.check(scan, moved);
@@ -42,12 +45,17 @@ void SensorMonitor::add_faults(std::vector<std::string>& faults) const {
   lean_.add_faults(faults);
   lag_.add_faults(faults);
   sectors_.add_faults(faults);
+  silence_.add_faults(faults);
+  steps_.add_faults(faults);
+  dead_.add_faults(faults);
+  intensity_.add_faults(faults);
   ground_.add_faults(faults);
 }
 
 void SensorMonitor::add_counters(Counters& counters) const {
   for (const Counters* part : {&strays_.counters(), &lasers_.counters(), &mounting_.counters(), &turns_.counters(),
-                               &lean_.counters(), &lag_.counters(), &sectors_.counters(), &ground_.counters()}) {
+                               &lean_.counters(), &lag_.counters(), &sectors_.counters(), &ground_.counters(),
+                               &steps_.counters(), &dead_.counters(), &intensity_.counters()}) {
     for (const auto& [name, value] : part->values()) counters.add(name, value);
   }
 }

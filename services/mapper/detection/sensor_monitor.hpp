@@ -5,13 +5,17 @@
 #include <vector>
 
 #include "common/bus/counters.hpp"
+#include "services/mapper/detection/lidar_silence.hpp"
 #include "services/mapper/mounting/lidar_lag.hpp"
 #include "services/mapper/mounting/lidar_mounting.hpp"
 #include "services/mapper/mounting/map_lean.hpp"
 #include "services/mapper/mounting/turn_agreement.hpp"
 #include "services/mapper/returns/blind_sectors.hpp"
+#include "services/mapper/returns/dead_lasers.hpp"
+#include "services/mapper/returns/flat_intensity.hpp"
 #include "services/mapper/returns/ground_in_sight.hpp"
 #include "services/mapper/returns/laser_elevations.hpp"
+#include "services/mapper/returns/range_steps.hpp"
 #include "services/mapper/returns/stray_returns.hpp"
 #include "services/mapper/scan/scan.hpp"
 
@@ -23,6 +27,9 @@ class SensorMonitor {
  public:
   explicit SensorMonitor(const VehicleConfig& vehicle) : mounting_(vehicle), ground_(vehicle.T_base_lidar()) {}
 
+  /// Called every 20 ms, `now` in us; and for each packet of the LiDAR.
+  void tick(std::int64_t now) { silence_.tick(now); }
+  void heard() { silence_.heard(); }
   /// Takes the next revolution, in lidar, and removes wrong points.
   void clean(scan::Scan& scan);
   /// Reports that the revolution fitted the map.
@@ -47,6 +54,10 @@ class SensorMonitor {
   mounting::MapLean lean_;
   mounting::LidarLag lag_;
   returns::BlindSectors sectors_;
+  returns::RangeSteps steps_;
+  returns::DeadLasers dead_;
+  returns::FlatIntensity intensity_;
+  LidarSilence silence_;
   returns::GroundInSight ground_;
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();  // m, map: of the last revolution that fitted,
   Eigen::Vector3d looked_ = Eigen::Vector3d::Zero();    // and of the last check of the lasers on the move

@@ -26,7 +26,7 @@ void BlindSectors::check(const scan::Scan& scan) {
     ++returns[static_cast<std::size_t>(sector)];
   }
   const auto seeing = std::count_if(returns.begin(), returns.end(), [](int n) { return n >= kMany; });
-  if (2 * seeing < kSectors) return;  // half a revolution, or an empty plain
+  if (3 * seeing < kSectors) return;  // part of a revolution, or an empty plain
   for (std::size_t i = 0; i < sectors_.size(); ++i) {
     Sector& sector = sectors_[i];
     if (returns[i] >= kMany) {

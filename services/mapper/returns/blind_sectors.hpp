@@ -17,7 +17,7 @@ namespace curbstone::mapper::returns {
 class BlindSectors {
  public:
   static constexpr int kSectors = 36;
-  static constexpr int kSteady = 100;   ///< looks
+  static constexpr int kSteady = 20;    ///< looks
   static constexpr int kBlind = 50;     ///< looks
   static constexpr float kNear = 0.8F;  ///< m
 
