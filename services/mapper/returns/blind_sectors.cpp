@@ -49,13 +49,31 @@ std::vector<int> BlindSectors::blind() const {
   return degrees;
 }
 
+std::vector<std::string> BlindSectors::arcs() const {
+  const auto is_blind = [&](int i) {
+    return sectors_[static_cast<std::size_t>((i + kSectors) % kSectors)].empty >= kBlind;
+  };
+  const auto degrees = [](int i) {
+    const int turn = kWidth * i % 360;
+    return turn > 180 ? turn - 360 : turn;
+  };
+  std::vector<std::string> arcs;
+  for (int first = 0; first < kSectors; ++first) {
+    if (!is_blind(first) || is_blind(first - 1)) continue;
+    int end = first;
+    while (is_blind(end)) ++end;
+    arcs.push_back(fmt::format("from {} to {}", degrees(first), degrees(end)));
+  }
+  return arcs;
+}
+
 void BlindSectors::add_faults(std::vector<std::string>& faults) const {
   const std::vector<int> degrees = blind();
   if (degrees.empty()) return;
   faults.push_back(
       fmt::format("LiDAR: nothing comes back any more from {} deg of its round, {} deg to the left of its x: clean the "
-                  "window; does something hang before it?",
-                  kWidth * static_cast<int>(degrees.size()), fmt::join(degrees, ", ")));
+                  "window; does something hang before it, or is there water or an edge beside the road?",
+                  kWidth * static_cast<int>(degrees.size()), fmt::join(arcs(), ", ")));
 }
 
 }  // namespace curbstone::mapper::returns

@@ -29,6 +29,9 @@ class BlindSectors {
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
+  /// The blind arcs in words.
+  [[nodiscard]] std::vector<std::string> arcs() const;
+
   struct Sector {
     int steady = 0;  // looks, up to kSteady
     int empty = 0;   // in a row, up to kBlind

@@ -48,11 +48,24 @@ TEST_F(BlindSectorsTest, MudIsReportedUntilTheWindowIsClean) {
     check(1, 19.8, 60.2, mud);
     EXPECT_THAT(sectors_.blind(), ElementsAre(25, 35, 45, 55));
     ASSERT_EQ(faults().size(), 1U);
-    EXPECT_THAT(faults()[0], HasSubstr("from 40 deg of its round, 25, 35, 45, 55 deg to the left"));
+    EXPECT_THAT(faults()[0], HasSubstr("from 40 deg of its round, from 20 to 60 deg to the left"));
     check(1);
     EXPECT_THAT(sectors_.blind(), IsEmpty());
   }
   EXPECT_EQ(sectors_.counters()["faults.blind_sector"], 8);
+}
+
+TEST_F(BlindSectorsTest, ArcsThatAreApartAreNamedEach) {
+  check(BlindSectors::kSteady);
+  for (int i = 0; i < BlindSectors::kBlind; ++i) {
+    scan::Scan scan = scan_;
+    std::erase_if(scan.points, [](const scan::LidarPoint& point) {
+      const float degrees = std::abs(std::atan2(point.position.y(), point.position.x())) * 57.29578F;
+      return degrees > 149.8F || (degrees > 39.8F && degrees < 60.2F && point.position.y() < 0);
+    });
+    sectors_.check(scan);
+  }
+  EXPECT_THAT(faults().at(0), HasSubstr("from 80 deg of its round, from 150 to -150, from -60 to -40 deg to the left"));
 }
 
 TEST_F(BlindSectorsTest, WhatTheVehicleHidesFromTheStartIsNoFault) {
