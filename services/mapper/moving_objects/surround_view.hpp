@@ -53,8 +53,8 @@ class SurroundView {
   [[nodiscard]] bool has_same_range(const SurroundView& other, int bin) const;
   /// The same for a range, m.
   [[nodiscard]] bool has_range(int bin, float range, float tolerance) const;
-  /// Whether a place, m in odom, was empty: the LiDAR looked past it at something clearly beyond, or at nothing
-  /// upright.
+  /// Whether a place, m in odom, was empty: the LiDAR looked past it at something clearly beyond, or at the ground
+  /// alone.
   [[nodiscard]] bool sees_through(const Eigen::Vector2d& in_odom) const;
 
   [[nodiscard]] static std::size_t wrapped(int bin) { return static_cast<std::size_t>((bin + 2 * kBins) % kBins); }
