@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
+#include <map>
 #include <optional>
 #include <queue>
 #include <span>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -28,10 +29,14 @@ namespace curbstone {
 }
 
 /// Sorts the events of a log by message time. The logged order differs from it by no more than the sensors' latencies,
-/// so a short window suffices. An event that is later than the window keeps its logged place. Equal times keep their
-/// logged order: the result is a function of the log alone. A record with a wrong time, or a logger whose clock was set
-/// back, disorders at most the events within the window. If the message time of a channel goes back by more than the
-/// window, the clock of the vehicle was set: events logged before the step then precede those logged after it.
+/// so a short window suffices. An event that is later than the window keeps its logged place. Events of one channel,
+/// and those of equal times, keep their logged order: the result is a function of the log alone. A record with a wrong
+/// time, or a logger whose clock was set back, disorders at most the events within the window.
+///
+/// Where the message time of a channel steps by more than the window, a clock was set, or a stamp is damaged. From
+/// there on the channel is sorted as if that step were not there, so it keeps its place among the others, as it was
+/// heard on the vehicle. Channels that step by the same, within the window, share a clock: the order among them stays
+/// exact.
 class MessageOrder {
  public:
   static constexpr std::size_t kMaxWaiting = 65'536;  ///< bound for a log whose record times stand still
@@ -40,34 +45,77 @@ class MessageOrder {
 
   void push(LogEvent event) {
     advance(event.log_utime);
-    const std::int64_t time = message_time(event);
-    const auto [last, is_first] = last_.try_emplace(event.channel, time);
-    if (!is_first && time < std::exchange(last->second, time) - window_us_) ++clock_;
-    waiting_.push({clock_, time, sequence_++, elapsed_, std::move(event)});
+    const std::int64_t time = std::clamp(message_time(event), std::int64_t{0}, kLatest);
+    const std::int64_t key = key_of(event.channel, time);
+    waiting_.push({key, sequence_++, elapsed_, std::move(event)});
   }
   /// The next event that no later event of the log can precede. With `drain`, the next remaining event.
   [[nodiscard]] std::optional<LogEvent> pop(bool drain) {
     if (waiting_.empty()) return std::nullopt;
-    const bool may_be_preceded = waiting_.top().clock == clock_ && waiting_.top().elapsed + window_us_ > elapsed_ &&
-                                 waiting_.size() <= kMaxWaiting;
+    const bool may_be_preceded = waiting_.top().elapsed + window_us_ > elapsed_ && waiting_.size() <= kMaxWaiting;
     if (!drain && may_be_preceded) return std::nullopt;
     LogEvent event = waiting_.top().event;
+    time_ = waiting_.top().key;
     waiting_.pop();
     return event;
   }
+  /// us: the message time of the last event that pop() returned, without the steps of its channel's clock.
+  [[nodiscard]] std::int64_t time() const { return time_; }
 
  private:
+  static constexpr std::int64_t kLatest = std::int64_t{1} << 60;  // us: far from an overflow
+  static constexpr std::int64_t kSettled = 1'000'000;             // us, until a channel's latency is known
+  static constexpr std::int64_t kRising = 8;                      // events over which a channel's least latency is
+  static constexpr std::int64_t kFading = 1024;                   // learned and forgotten: one damaged stamp is neither
+
   struct Waiting {
-    std::int64_t clock;
-    std::int64_t time;
+    std::int64_t key;
     std::uint64_t sequence;
     std::int64_t elapsed;
     LogEvent event;
     bool operator<(const Waiting& other) const {  // the earliest is on top
-      if (clock != other.clock) return clock > other.clock;
-      return time != other.time ? time > other.time : sequence > other.sequence;
+      return key != other.key ? key > other.key : sequence > other.sequence;
     }
   };
+  struct Channel {
+    std::int64_t since;  // us, elapsed time of its first event
+    std::int64_t last;   // us, message time of its newest event
+    std::int64_t step;   // us, by which its clock was set so far
+    std::int64_t key;    // us, of its newest event
+    std::int64_t ahead;  // us, message time without step, less elapsed time, where the latency was least
+  };
+
+  /// us: the time without the steps of the channel's clock, and no less than that of its event before.
+  [[nodiscard]] std::int64_t key_of(const std::string& name, std::int64_t time) {
+    const std::int64_t ahead = time - elapsed_;
+    const auto found = channels_.find(name);
+    if (found == channels_.end()) {
+      const std::int64_t step = first_step(ahead);
+      channels_.emplace(name, Channel{elapsed_, time, step, time - step, ahead - step});
+      return time - step;
+    }
+    Channel& channel = found->second;
+    const bool is_back = time < std::exchange(channel.last, time) - window_us_;
+    const bool is_ahead = ahead - channel.step > channel.ahead + window_us_ && elapsed_ - channel.since > kSettled;
+    if (is_back || is_ahead) channel.step = shared_step(ahead - channel.ahead);
+    const std::int64_t without_step = ahead - channel.step;
+    channel.ahead += (without_step - channel.ahead) / (without_step > channel.ahead ? kRising : kFading);
+    return channel.key = std::max(channel.key, time - channel.step);
+  }
+  /// A channel that begins in another clock than the first one is sorted as if it were in that.
+  [[nodiscard]] std::int64_t first_step(std::int64_t ahead) const {
+    if (channels_.empty()) return 0;
+    const std::int64_t step = shared_step(ahead - channels_.begin()->second.ahead);
+    return std::abs(step) > kSettled ? step : 0;
+  }
+  /// The step of a channel whose clock was set by the same, or else this one.
+  [[nodiscard]] std::int64_t shared_step(std::int64_t step) const {
+    std::int64_t nearest = 0;
+    for (const auto& [name, channel] : channels_) {
+      if (std::abs(step - channel.step) < std::abs(step - nearest)) nearest = channel.step;
+    }
+    return std::abs(step - nearest) <= window_us_ ? nearest : step;
+  }
 
   /// Advances the log's time. A forward step counts for at most the window. After a step back by more than the window
   /// the time continues from there.
@@ -80,11 +128,11 @@ class MessageOrder {
   }
 
   std::int64_t window_us_;
-  std::int64_t elapsed_ = 0;                            // us of the log's time
-  std::int64_t clock_ = 0;                              // steps back of a channel's time
-  std::unordered_map<std::string, std::int64_t> last_;  // us, message time of the channel's previous event
-  std::int64_t newest_ = 0;                             // us
+  std::int64_t elapsed_ = 0;  // us of the log's time
+  std::int64_t newest_ = 0;   // us
+  std::int64_t time_ = 0;     // us
   std::uint64_t sequence_ = 0;
+  std::map<std::string, Channel> channels_;
   std::priority_queue<Waiting> waiting_;
 };
 

@@ -114,7 +114,7 @@ Summary drive(output::WatchedLog& log, VehicleLine& vehicle) {
       note_configs(vehicle, time);
     }
     summary.last_utime = std::max(summary.last_utime, time);
-    vehicle.deliver(time, std::move(event.channel), std::move(event.bytes));
+    vehicle.deliver(order.time(), std::move(event.channel), std::move(event.bytes));
   };
   while (auto event = log.next()) {
     if (const auto config = config_in(*event)) configs.on(*config);

@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <curbstone/imu_t.hpp>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <vector>
 
 #include "common/log/log_reader.hpp"
 #include "common/log/log_writer.hpp"
@@ -82,21 +85,21 @@ TEST(MessageOrder, SortsByMessageTimeWithinTheWindowAndKeepsTies) {
   const auto drain = [&](bool all) {
     while (const auto event = order.pop(all)) out.push_back(message_time(*event));
   };
-  const std::int64_t times[] = {100, 300, 200, 200, 500};
+  const std::int64_t times[] = {100, 300, 200, 300, 500};
   for (std::int64_t i = 0; i < 5; ++i) {
-    order.push({300 + 60 * i, "IMU", encoded(times[i])});
+    order.push({300 + 60 * i, i % 2 == 0 ? "IMU" : "WHEELS", encoded(times[i])});
     drain(false);
   }
   drain(true);
-  EXPECT_EQ(out, (std::vector<std::int64_t>{100, 200, 200, 300, 500}));
+  EXPECT_EQ(out, (std::vector<std::int64_t>{100, 200, 300, 300, 500}));
 }
 
-/// The message times as they come out, of events that are logged at `logged` ms.
+/// The message times as they come out, of events of two channels by turns that are logged at `logged` ms.
 std::vector<std::int64_t> sorted(const std::vector<std::int64_t>& logged, const std::vector<std::int64_t>& times) {
   MessageOrder order(100);
   std::vector<std::int64_t> out;
   for (std::size_t i = 0; i < logged.size(); ++i) {
-    order.push({logged[i], "IMU", encoded(times[i])});
+    order.push({logged[i], i % 2 == 0 ? "IMU" : "WHEELS", encoded(times[i])});
     while (const auto event = order.pop(false)) out.push_back(message_time(*event));
   }
   while (const auto event = order.pop(true)) out.push_back(message_time(*event));
@@ -117,9 +120,63 @@ TEST(MessageOrder, AClockThatWasSetBackIsFollowed) {
 /// Both sensors' stamps go back, one a little later than the other: what was driven before is not mixed with what
 /// comes.
 TEST(MessageOrder, AVehicleWhoseClockWasSetBackIsFollowed) {
-  EXPECT_EQ(
-      sorted({9'000, 9'010, 9'020, 8'530, 8'540, 8'550, 8'560}, {9'010, 9'000, 9'020, 8'520, 8'540, 8'530, 8'560}),
-      (std::vector<std::int64_t>{9'000, 9'010, 9'020, 8'520, 8'530, 8'540, 8'560}));
+  EXPECT_EQ(sorted({9'012, 9'014, 9'024, 9'026, 8'532, 8'534, 8'552, 8'554},
+                   {9'010, 9'012, 9'020, 9'022, 8'530, 8'528, 8'550, 8'540}),
+            (std::vector<std::int64_t>{9'010, 9'012, 9'020, 9'022, 8'528, 8'530, 8'540, 8'550}));
+}
+
+/// One sensor's stamps step back by 700 ms and later ahead again, and one of its stamps is damaged. Its messages keep
+/// the place at which the vehicle heard them.
+TEST(MessageOrder, AChannelWhoseClockAloneIsSetKeepsItsPlace) {
+  MessageOrder order;
+  std::vector<std::string> out;
+  std::vector<std::string> expected;
+  for (std::int64_t ms = 1'000; ms < 9'000; ms += 10) {
+    const bool is_lidar = ms % 20 == 0;
+    const std::int64_t off = !is_lidar ? 0 : ms == 4'000 ? 3'000 : ms >= 5'000 && ms < 7'000 ? -700 : 0;
+    expected.emplace_back(is_lidar ? "LIDAR" : "IMU");
+    order.push({1000 * (ms + 3), expected.back(), encoded(1000 * (ms + off))});
+    while (const auto event = order.pop(false)) out.push_back(event->channel);
+  }
+  while (const auto event = order.pop(true)) out.push_back(event->channel);
+  EXPECT_EQ(out, expected);
+}
+
+/// A stamp that is early or late by less than the window does not make its packet overtake others of its channel.
+TEST(MessageOrder, EventsOfAChannelKeepTheirLoggedOrder) {
+  EXPECT_EQ(sorted({10, 12, 20, 22, 30, 32, 40, 42}, {10, 11, 90, 21, 30, 31, 40, 41}),
+            (std::vector<std::int64_t>{10, 11, 21, 31, 41, 90, 30, 40}));
+}
+
+TEST(MessageOrder, AChannelInAnotherClockFromTheBeginningKeepsItsPlace) {
+  constexpr std::int64_t kHour = 3'600'000'000;
+  MessageOrder order;
+  int since_imu = 0;
+  int most = 0;
+  for (std::int64_t us = kHour; us < kHour + 2'000'000; us += 10'000) {
+    const bool is_lidar = us % 20'000 == 0;
+    order.push({us, is_lidar ? "LIDAR" : "IMU", encoded(is_lidar ? us + kHour : us)});
+    while (const auto event = order.pop(false)) {
+      since_imu = event->channel == "IMU" ? 0 : since_imu + 1;
+      most = std::max(most, since_imu);
+    }
+  }
+  EXPECT_EQ(most, 1);
+}
+
+/// A gap in a log is no step of a clock.
+TEST(MessageOrder, AfterAGapTheOrderIsExact) {
+  MessageOrder order;
+  std::vector<std::int64_t> out;
+  std::int64_t ms = 1'000;
+  for (int i = 0; i < 600; ++i) {
+    ms += i == 300 ? 30'000 : 10;
+    const std::int64_t latency = i % 2 == 0 ? 35 : 2;
+    order.push({1000 * (ms + 40), i % 2 == 0 ? "LIDAR" : "IMU", encoded(1000 * (ms + 40 - latency))});
+    while (const auto event = order.pop(false)) out.push_back(message_time(*event));
+  }
+  while (const auto event = order.pop(true)) out.push_back(message_time(*event));
+  EXPECT_TRUE(std::is_sorted(out.begin(), out.end()));
 }
 
 TEST(MessageOrder, WhereTheTimesStandStillTheWaitIsBounded) {
