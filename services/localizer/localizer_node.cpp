@@ -59,10 +59,9 @@ void LocalizerNode::connect(Subscriber& bus) {
 }
 
 void LocalizerNode::on(const lidar_points_t& message) {
-  std::optional<mapper::scan::Scan> done = assembler_.add(message);
+  clock_.add(message, odometry_.newest(), [this](const lidar_points_t& in_time) { queue(assembler_.add(in_time)); });
   if (message.utime <= 0) return;
-  lidar_time_ = message.utime;
-  queue(std::move(done));
+  lidar_time_ = clock_.corrected(message.utime);
   process_due(false);
 }
 
@@ -210,6 +209,7 @@ void LocalizerNode::publish(const mapper::scan::Scan& scan, const Answer& answer
 }
 
 void LocalizerNode::finish() {
+  clock_.release([this](const lidar_points_t& held) { queue(assembler_.add(held)); });
   queue(assembler_.flush());
   process_due(true);
 }
@@ -217,12 +217,15 @@ void LocalizerNode::finish() {
 NodeReport LocalizerNode::report() const {
   NodeReport report;
   report.counters = counters_;
-  for (const auto& [name, value] : assembler_.counters().values()) report.counters.add(name, value);
+  for (const Counters* part : {&clock_.counters(), &assembler_.counters()}) {
+    for (const auto& [name, value] : part->values()) report.counters.add(name, value);
+  }
   if (map_->unreadable() > 0)
     report.counters.add("map.unreadable_tiles", static_cast<std::int64_t>(map_->unreadable()));
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
   if (lidar_time_ == 0) report.faults.emplace_back("no LIDAR_POINTS");
+  clock_.add_faults(report.faults);
   if (lidar_time_ != 0 && !begun_) report.faults.emplace_back("no usable ODOMETRY yet");
   if (tracker_ && lost()) report.faults.push_back(fmt::format("lost: {} does not show what is seen here", config_.map));
   if (begun_ && !tracker_) report.faults.push_back(fmt::format("not found yet in {}", config_.map));

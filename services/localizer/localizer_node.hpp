@@ -12,6 +12,7 @@
 #include "services/localizer/search/global_localizer.hpp"
 #include "services/localizer/tracking/pose_tracker.hpp"
 #include "services/localizer/tracking/thinned_scan.hpp"
+#include "services/mapper/scan/lidar_clock.hpp"
 #include "services/mapper/scan/odometry_history.hpp"
 #include "services/mapper/scan/scan_assembler.hpp"
 #include "services/semantic_map/store/map_store.hpp"
@@ -61,6 +62,7 @@ class LocalizerNode final : public Node {
   bool is_checked_ = false;  // every tile was read once
   std::optional<fields::SavedMap> map_;
   std::int32_t epoch_ = 0;  // of the map
+  mapper::scan::LidarClock clock_;
   mapper::scan::ScanAssembler assembler_;
   mapper::scan::OdometryHistory odometry_;
   tracking::ScanThinner thinner_;

@@ -47,6 +47,8 @@ class OdometryHistory {
   /// Inserts a sample before the newest one. False if there is one with the same stamp, or no room.
   bool fill(const OdometrySample& sample);
 
+  /// us, stamp of the newest sample; 0: there is none.
+  [[nodiscard]] std::int64_t newest() const { return samples_.empty() ? 0 : samples_.back().utime; }
   /// Whether odometry extends to kLead before `utime`, usable or not: there is nothing more to wait for.
   [[nodiscard]] bool reaches(std::int64_t utime) const {
     return !samples_.empty() && samples_.back().utime + kLead >= utime;

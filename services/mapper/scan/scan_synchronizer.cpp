@@ -27,15 +27,15 @@ void ScanSynchronizer::begin_at(std::int64_t utime) {
 
 void ScanSynchronizer::begin_drive(std::int64_t utime) {
   first_start_ = utime;
-  if (without_odometry_ == 0) first_queued_ = packets_.newest();  // else no wait for odometry
+  if (without_odometry_ == 0) first_queued_ = lidar_time();  // else no wait for odometry
 }
 
 void ScanSynchronizer::add(const lidar_points_t& packet) {
-  packets_.add(packet, [this](const lidar_points_t& next) { queue(assembler_.add(next)); });
+  packets_.add(packet, in_order_);
 }
 
 void ScanSynchronizer::add_resent(const lidar_points_t& packet) {
-  packets_.add_resent(packet, [this](const lidar_points_t& next) { queue(assembler_.add(next)); });
+  packets_.add_resent(packet, in_order_);
 }
 
 bool ScanSynchronizer::add(const odometry_t& message) {
@@ -45,12 +45,13 @@ bool ScanSynchronizer::add(const odometry_t& message) {
 }
 
 void ScanSynchronizer::tick(std::int64_t now) {
-  packets_.tick(now, [this](const lidar_points_t& next) { queue(assembler_.add(next)); });
+  packets_.tick(now, in_order_);
   odometry_resend_.tick(now);
 }
 
 void ScanSynchronizer::flush() {
-  packets_.release([this](const lidar_points_t& next) { queue(assembler_.add(next)); });
+  packets_.release(in_order_);
+  clock_.release(in_time_);
   queue(assembler_.flush());
 }
 
@@ -58,13 +59,13 @@ void ScanSynchronizer::queue(std::optional<Scan> scan) {
   if (!scan) return;
   if (first_start_ == 0) {
     first_start_ = scan->start;
-    first_queued_ = packets_.newest();
+    first_queued_ = lidar_time();
   }
   if (pending_.size() >= kMaxPending) {
     counters_.add("dropped.pending");
     pending_.pop_front();
   }
-  pending_.push_back({std::move(*scan), packets_.newest()});
+  pending_.push_back({std::move(*scan), lidar_time()});
 }
 
 /// Notes scans processed without odometry whose odometry arrives now: in a replay odometry is never late, so its map
@@ -83,7 +84,7 @@ bool ScanSynchronizer::is_due(bool started) {
   const std::int64_t waited_since = started ? next.since : first_queued_;
   // After a wait without result the filter is probably gone rather than late: later scans wait less.
   const double wait = !started ? waits_.first : without_odometry_ == 0 ? waits_.next : std::min(waits_.next, kNextWait);
-  return std::abs(packets_.newest() - waited_since) > microseconds(wait);
+  return std::abs(lidar_time() - waited_since) > microseconds(wait);
 }
 
 Scan ScanSynchronizer::pop() {
@@ -118,7 +119,7 @@ void ScanSynchronizer::add_odometry_faults(std::vector<std::string>& faults, boo
 
 void ScanSynchronizer::add_counters(Counters& counters) const {
   for (const Counters* part :
-       {&counters_, &packets_.counters(), &odometry_resend_.counters(), &assembler_.counters()}) {
+       {&counters_, &packets_.counters(), &clock_.counters(), &odometry_resend_.counters(), &assembler_.counters()}) {
     for (const auto& [name, value] : part->values()) counters.add(name, value);
   }
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/bus/counters.hpp"
+#include "services/mapper/scan/lidar_clock.hpp"
 #include "services/mapper/scan/odometry_history.hpp"
 #include "services/mapper/scan/odometry_resend.hpp"
 #include "services/mapper/scan/packet_intake.hpp"
@@ -28,8 +29,8 @@ struct SyncWaits {
 /// on how the two channels interleave. Packets and odometry that were lost on the bus are requested and waited for, in
 /// order. Pure; one thread.
 ///
-/// Counters: those of PacketIntake, OdometryResend, ScanAssembler and take_odometry(); dropped.pending (scans beyond
-/// kMaxPending), odometry.too_late (scans processed without odometry that came later).
+/// Counters: those of PacketIntake, LidarClock, OdometryResend, ScanAssembler and take_odometry(); dropped.pending
+/// (scans beyond kMaxPending), odometry.too_late (scans processed without odometry that came later).
 class ScanSynchronizer {
  public:
   static constexpr std::size_t kMaxPending = 80;  ///< scans that wait for odometry: 4 s at 20 Hz
@@ -72,7 +73,10 @@ class ScanSynchronizer {
 
   /// us, start of the first scan of the drive; 0: none yet.
   [[nodiscard]] std::int64_t first_start() const { return first_start_; }
-  void add_packet_faults(std::vector<std::string>& faults) const { packets_.add_faults(faults); }
+  void add_packet_faults(std::vector<std::string>& faults) const {
+    packets_.add_faults(faults);
+    clock_.add_faults(faults);
+  }
   /// `has_map`: the drive has begun; `last_end`: us, of the last scan processed.
   void add_odometry_faults(std::vector<std::string>& faults, bool has_map, std::int64_t last_end) const;
   void add_counters(Counters& counters) const;
@@ -82,14 +86,21 @@ class ScanSynchronizer {
     Scan scan;
     std::int64_t since;  // us, LiDAR time when the scan was queued
   };
+  /// us, newest stamp of the LiDAR.
+  [[nodiscard]] std::int64_t lidar_time() const { return clock_.corrected(packets_.newest()); }
   void queue(std::optional<Scan> scan);
   void note_late_odometry();
 
   SyncWaits waits_;
   PacketIntake packets_;
+  LidarClock clock_;
   ScanAssembler assembler_;
   OdometryHistory odometry_;
   OdometryResend odometry_resend_;
+  const PacketIntake::Handler in_order_ = [this](const lidar_points_t& packet) {
+    clock_.add(packet, odometry_.newest(), in_time_);
+  };
+  const LidarClock::Handler in_time_ = [this](const lidar_points_t& packet) { queue(assembler_.add(packet)); };
   std::deque<Pending> pending_;
   std::int64_t first_start_ = 0;     // us, start of the first scan
   std::int64_t first_queued_ = 0;    // us, LiDAR time when it was queued

@@ -51,7 +51,7 @@ class LocalizerOnAYard : public ::testing::Test {
   /// A revolution in one message; all points are taken near its end.
   [[nodiscard]] lidar_points_t packet(int revolution) const {
     lidar_points_t message{};
-    message.utime = clock_ + revolution * kRevolution;
+    message.utime = clock_ + revolution * kRevolution + lidar_off_;
     message.packet = message.revolution = revolution;
     for (const Eigen::Vector3d& p : points_in(yard_, at(revolution + 0.98))) {
       message.x.push_back(static_cast<float>(p.x()));
@@ -104,6 +104,7 @@ class LocalizerOnAYard : public ::testing::Test {
   double step_ = 0;  // m a revolution
   double bend_ = 0;  // rad/m
   std::int64_t clock_ = kStart;
+  std::int64_t lidar_off_ = 0;  // us: the LiDAR's clock alone is wrong by that
   std::int64_t heard_ = kStart - 50'000;
   int seen_ = 0;
 };

@@ -51,6 +51,18 @@ TEST_F(LocalizerOnAYard, SaysTheSameHoweverTheChannelsInterleave) {
   }
 }
 
+TEST_F(LocalizerOnAYard, WhereTheLidarsClockAloneIsSetBackThePoseGoesOn) {
+  step_ = 0.05;
+  begin();
+  drive_until(60);
+  lidar_off_ = -2'000'000;
+  drive_until(120);
+  EXPECT_FALSE(lost());
+  EXPECT_LT(error(), 0.02);
+  EXPECT_EQ(poses_.size(), 119U);
+  EXPECT_THAT(node_->report().faults, Contains(HasSubstr("LiDAR: its clock was set 2.00 s back")));
+}
+
 TEST_F(LocalizerOnAYard, FindsItselfWithNothingKnown) {
   in_an_open_yard();
   begin_ = test_yard::pose_at(-8, -1, 0.2);

@@ -55,7 +55,7 @@ void drive_with(const TrueDrive& drive, const catalogue::Fault& fault, replay::V
   MessageOrder order;
   const auto deliver = [&](LogEvent event) {
     const std::int64_t time = message_time(event);
-    if (time > 0 && time <= kLatest) vehicle.deliver(time, std::move(event.channel), std::move(event.bytes));
+    if (time > 0 && time <= kLatest) vehicle.deliver(order.time(), std::move(event.channel), std::move(event.bytes));
   };
   std::optional<std::int64_t> start;
   double t = 0, looked = 0;

@@ -16,7 +16,7 @@ class ScanSynchronizerTest : public ::testing::Test {
   void send_packets(int from, int to) {
     for (int i = from; i < to; ++i) {
       lidar_points_t m{};
-      m.utime = kStart + kPacketPeriod * i;
+      m.utime = kStart + kPacketPeriod * i + lidar_off_;
       m.packet = i;
       m.revolution = i / 10;
       m.num_points = 1;
@@ -39,6 +39,7 @@ class ScanSynchronizerTest : public ::testing::Test {
     return counters[name];
   }
 
+  std::int64_t lidar_off_ = 0;  // us
   LocalBus bus_;
   ScanSynchronizer input_{bus_, "mapper", {2.0, 1.0}};
 };
@@ -56,6 +57,23 @@ TEST_F(ScanSynchronizerTest, AScanIsDueOnceOdometryHasReachedItsEnd) {
   EXPECT_TRUE(input_.odometry().covers(scan.start, scan.end));
   EXPECT_TRUE(input_.empty());
   EXPECT_EQ(input_.first_start(), kStart);
+}
+
+TEST_F(ScanSynchronizerTest, WhereTheLidarsClockAloneIsSetBackItsScansGoOnAndHaveOdometry) {
+  std::int64_t last_end = 0;
+  for (int packet = 0, ms = 0; ms < 6000; ms += 5, ++packet) {
+    if (ms % 10 == 0) send_odometry(ms);
+    if (ms == 3000) lidar_off_ = -2'000'000;
+    send_packets(packet, packet + 1);
+    while (!input_.empty() && input_.is_due(true)) {
+      const Scan scan = input_.pop();
+      EXPECT_TRUE(input_.odometry().covers(scan.start, scan.end));
+      EXPECT_TRUE(last_end == 0 || scan.start == last_end + kPacketPeriod) << ms;
+      last_end = scan.end;
+    }
+  }
+  EXPECT_GT(last_end, kStart + 5'800'000);
+  EXPECT_EQ(counter("lidar.clock_corrections"), 1);
 }
 
 TEST_F(ScanSynchronizerTest, WithoutOdometryTheFirstScanWaitsLongestAndTheOnesAfterAWaitWithoutResultLeast) {

@@ -43,6 +43,15 @@ std::vector<Fault> lidar_stamp_faults() {
                   [random = Random(1)](double, auto& m) mutable { m.utime += std::llround(random.normal(3000.0)); }),
       lidar_fault("LiDAR clock set back", "stamps jump back by 2 s, and go on from there", kOnTheWay,
                   later(-2'000'000)),
+      lidar_fault("LiDAR clock half a second ahead", "stamps jump ahead by 0.5 s, and go on from there", kOnTheWay,
+                  later(500'000)),
+      lidar_fault("LiDAR clock set to and fro", "stamps jump back by 2 s, and 10 s later ahead by 2 s, and so on",
+                  kOnTheWay, [](double t, auto& m) { m.utime -= std::fmod(t - kOnTheWay, 20.0) < 10 ? 2'000'000 : 0; }),
+      lidar_fault("stamps damaged", "the stamp of 1 packet in 100 is up to 2 s early or late", kOnTheWay,
+                  [random = Random(1)](double, auto& m) mutable {
+                    const double by = random.uniform(-2e6, 2e6);
+                    if (random.uniform(0, 1) < 0.01) m.utime += std::llround(by);
+                  }),
       lidar_fault("LiDAR clock an hour ahead", "stamps jump ahead by an hour, and go on from there", kOnTheWay,
                   later(3'600'000'000)),
       lidar_fault("LiDAR clock 1 % slow", "its second is 1 % longer than the host's", kOnTheWay,
