@@ -9,6 +9,7 @@
 #include <condition_variable>
 #include <map>
 #include <mutex>
+#include <set>
 #include <stdexcept>
 #include <system_error>
 #include <thread>
@@ -79,6 +80,7 @@ class SpillFile::File {
     const std::lock_guard lock(mutex_);
     (place.disk ? in_file_ : in_memory_) -= place.size;
     waiting_.erase(place.turn);
+    unreadable_.erase(&place);
     if (!place.disk) return;
     place.disk->pages.release(place.page, place.num_pages());
     if (has_free_end()) news_.notify_all();
@@ -90,9 +92,10 @@ class SpillFile::File {
     }
     PackedValues bytes(place.size);
     if (const std::error_code error = place.disk->read(place.page, bytes))
-      fail_to_read(error == std::error_code(ENODATA, std::generic_category()) ? "the file is too short"
-                                                                              : error.message());
-    if (checksum_of(bytes) != place.checksum) fail_to_read("a checksum is wrong");
+      fail_to_read(place, error.value() == ENODATA ? "the file is too short" : error.message());
+    if (checksum_of(bytes) != place.checksum) fail_to_read(place, "a checksum is wrong");
+    const std::lock_guard lock(mutex_);
+    unreadable_.erase(&place);
     return bytes;
   }
 
@@ -141,9 +144,13 @@ class SpillFile::File {
     return in_file_;
   }
   [[nodiscard]] std::int64_t failed_reads() const { return failed_reads_; }
+  [[nodiscard]] std::int64_t unreadable() const {
+    const std::lock_guard lock(mutex_);
+    return static_cast<std::int64_t>(unreadable_.size());
+  }
   [[nodiscard]] std::string read_fault() const {
     const std::lock_guard lock(mutex_);
-    return read_fault_;
+    return unreadable_.empty() ? std::string() : read_fault_;
   }
   [[nodiscard]] std::string fault() const {
     const std::lock_guard lock(mutex_);
@@ -151,9 +158,10 @@ class SpillFile::File {
   }
 
  private:
-  [[noreturn]] void fail_to_read(const std::string& why) const {
+  [[noreturn]] void fail_to_read(const Place& place, const std::string& why) const {
     ++failed_reads_;
     const std::lock_guard lock(mutex_);
+    unreadable_.insert(&place);
     read_fault_ = folder_ + ": " + why;
     throw std::runtime_error("spilled values: " + read_fault_);
   }
@@ -233,6 +241,7 @@ class SpillFile::File {
   mutable std::atomic<std::int64_t> failed_reads_ = 0;
   std::string fault_;
   mutable std::string read_fault_;
+  mutable std::set<const Place*> unreadable_;  // the last read failed
 };
 
 SpillFile::Values::Place::Place(PackedValues values, std::shared_ptr<File> of)
@@ -279,6 +288,10 @@ std::size_t SpillFile::bytes_in_file() const {
 
 std::int64_t SpillFile::failed_reads() const {
   return file_->failed_reads();
+}
+
+std::int64_t SpillFile::unreadable() const {
+  return file_->unreadable();
 }
 
 std::string SpillFile::read_fault() const {

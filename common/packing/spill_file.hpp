@@ -46,7 +46,9 @@ class SpillFile {
   [[nodiscard]] std::size_t bytes_in_file() const;
   /// How often the file could not be read, or its content differed from what was written.
   [[nodiscard]] std::int64_t failed_reads() const;
-  /// The reason of the last failed read; empty if none has failed.
+  /// Values whose last read failed.
+  [[nodiscard]] std::int64_t unreadable() const;
+  /// The reason of the last failed read; empty if there are no such values.
   [[nodiscard]] std::string read_fault() const;
   /// Why values stay in memory although there is a folder; empty if they do not.
   [[nodiscard]] std::string fault() const;

@@ -90,6 +90,14 @@ std::error_code JournalWriter::put(std::string_view batch, bool opens, bool take
   return is_written ? std::error_code() : std::error_code(errno != 0 ? errno : EIO, std::generic_category());
 }
 
+void JournalWriter::keep_young() {
+  began_ = steady_clock();
+  under_way_ = std::async(std::launch::async, [this] {
+    keep_alive();
+    return std::error_code();
+  });
+}
+
 /// Runs in the other thread. Until the new file is whole, a successor has the one of this drive that it will replace,
 /// and the file's age shows how long nothing has been written. A file of another drive keeps its age.
 void JournalWriter::keep_alive() const {

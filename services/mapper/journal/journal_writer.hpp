@@ -26,6 +26,10 @@ class JournalWriter {
   [[nodiscard]] bool busy();
   /// Busy for more than a minute.
   [[nodiscard]] bool is_stuck() const;
+  /// The file that is there counts as one of this writer.
+  void adopt() { was_in_place_ = true; }
+  /// Shows by the age of the file in place that its drive goes on.
+  void keep_young();
   /// Starts another file with the next batch, beside the current one.
   void begin();
   /// `is_complete`: with this batch the new file is complete enough for a successor, and replaces the previous one.
@@ -59,7 +63,7 @@ class JournalWriter {
   std::future<std::error_code> under_way_;  // result of the write
   std::int64_t began_ = 0;                  // ns, steady clock
   bool is_open_ = false;
-  bool was_in_place_ = false;  // as a file of this writer
+  bool was_in_place_ = false;  // as a file of this writer, or adopted
   bool is_in_place_ = false;
   std::size_t bytes_ = 0;
   std::string fault_;
