@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "common/log/log_writer.hpp"
 
@@ -24,12 +25,14 @@ class Recording {
   /// is full. The file then ends in a torn message, and the recording is over. A file without a whole message is
   /// removed.
   void write(const std::string& channel, const void* data, int size, std::int64_t utime);
-  /// Passes the written data to the kernel, so that it survives the process. Throws as write() does.
+  /// Passes the written data to the kernel, so that it survives the process. Throws as write() does, also if the file
+  /// was deleted meanwhile.
   void flush();
 
  private:
   void open();
   void give_up();
+  [[nodiscard]] bool is_there() const;
 
   NextName next_name_;
   std::int64_t split_;
@@ -37,6 +40,7 @@ class Recording {
   std::string current_;
   std::int64_t flushed_ = 0;  // bytes
   std::optional<LogWriter> log_;
+  std::pair<std::uint64_t, std::uint64_t> identity_;  // of the file: device and number
 };
 
 /// FILE, or if it exists FILE.1, FILE.2 and so on.
