@@ -155,6 +155,7 @@ void MapKeeper::await_writing() {
   if (!writing_.valid()) return;
   const std::string error = writing_.get();
   if (under_way_.linking_took > 0) linking_took_ = under_way_.linking_took;
+  if (store_ && store_->num_restored() > 0) counters_.set("store.restored", store_->num_restored());
   if (error.empty()) {
     counters_.add("store.transactions");
     counters_.add("store.tiles", static_cast<std::int64_t>(under_way_.tiles.size()));
