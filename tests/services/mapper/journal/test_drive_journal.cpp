@@ -300,6 +300,23 @@ TEST_F(DriveJournalTest, HasWhatTheDiskOfFarTilesReturnsLater) {
   EXPECT_EQ(read()->tiles.size(), tiles().size());
 }
 
+TEST_F(DriveJournalTest, ThatIsDeletedMeanwhileIsBegunAnew) {
+  start_epoch(7, {});
+  drive(20);
+  settle();
+  std::filesystem::remove_all(folder_ / "state");
+  for (int i = 0; i < 3000 && journal_.fault().empty(); ++i) {
+    drive(1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_THAT(journal_.fault(), ::testing::HasSubstr("No such file"));
+  EXPECT_TRUE(journal_.needs_restart(utime_ + 3'000'000));
+  start_epoch(7, {});
+  drive(5);
+  settle();
+  EXPECT_THAT(journal_.fault(), IsEmpty());
+}
+
 TEST_F(DriveJournalTest, IsGoneWhenTheDriveIsOver) {
   start_epoch(7, {});
   drive(10);
