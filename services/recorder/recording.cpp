@@ -35,7 +35,7 @@ void Recording::open() {
   current_ = next_name_();
   log_.emplace(current_);
   identity_ = identity_of(current_);
-  flushed_ = 0;
+  flushed_ = num_records_ = 0;
 }
 
 bool Recording::is_there() const {
@@ -50,6 +50,7 @@ void Recording::write(const std::string& channel, const void* data, int size, st
   try {
     if (log_->bytes() == 0 && head_) head_(*log_, utime);
     log_->write(channel, data, size, utime);
+    ++num_records_;
   } catch (const std::runtime_error&) {
     give_up();
     throw;
@@ -61,7 +62,7 @@ void Recording::flush() {
     log_->flush();
     if (!is_there()) {
       flushed_ = -1;  // nothing of ours is to be removed
-      throw std::runtime_error(fmt::format("{}: was deleted while it was written", current_));
+      throw FileDeleted(fmt::format("{}: was deleted while it was written, with {} messages", current_, num_records_));
     }
   } catch (const std::runtime_error&) {
     give_up();

@@ -9,6 +9,7 @@ namespace curbstone::semantic_map::store {
 namespace {
 
 constexpr std::int64_t kLongestBreak = 600'000'000;  // us between two poses of one drive, a restart in between
+constexpr std::int64_t kRestoredFor = 60'000'000;    // us for which it is reported
 constexpr std::size_t kMaxPoses = 200'000;           // kept while the disk is full: hours
 
 }  // namespace
@@ -155,7 +156,10 @@ void MapKeeper::await_writing() {
   if (!writing_.valid()) return;
   const std::string error = writing_.get();
   if (under_way_.linking_took > 0) linking_took_ = under_way_.linking_took;
-  if (store_ && store_->num_restored() > 0) counters_.set("store.restored", store_->num_restored());
+  if (store_ && store_->num_restored() > counters_["store.restored"]) {
+    counters_.set("store.restored", store_->num_restored());
+    restored_utime_ = newest_utime_;
+  }
   if (error.empty()) {
     counters_.add("store.transactions");
     counters_.add("store.tiles", static_cast<std::int64_t>(under_way_.tiles.size()));
@@ -179,7 +183,10 @@ void MapKeeper::take_back() {
 }
 
 std::string MapKeeper::fault() const {
-  return fault_.empty() ? earlier_.fault(newest_utime_) : fault_;
+  if (!fault_.empty()) return fault_;
+  if (restored_utime_ != 0 && newest_utime_ - restored_utime_ < kRestoredFor)
+    return path_ + ": the file was deleted during the drive, and has been written again with all that it had";
+  return earlier_.fault(newest_utime_);
 }
 
 void MapKeeper::finish(tile::MapLines lines) {

@@ -110,7 +110,8 @@ class MapKeeper {
   bool keep_earlier_;
   EarlierDrive earlier_;
   std::int32_t epoch_ = 0;
-  std::int64_t newest_utime_ = 0;  // of a pose
+  std::int64_t newest_utime_ = 0;    // of a pose
+  std::int64_t restored_utime_ = 0;  // us, pose when the file was written again; 0: never
   Changes pending_;
   Changes under_way_;                 // must not be touched while it is written
   std::future<std::string> writing_;  // the error

@@ -175,8 +175,11 @@ TEST_F(SessionTest, ThatIsDeletedMeanwhileIsRecordedAgainAndSaysSo) {
   record(2);
   EXPECT_THAT(recorder.report().faults, ElementsAre(HasSubstr("was deleted while it was written")));
   EXPECT_EQ(recorder.report().counters["lost.unwritten"], 1);
+  EXPECT_EQ(recorder.report().counters["lost.deleted"], 1);
   record(3);
   record(4);
+  EXPECT_THAT(recorder.report().faults, ElementsAre(HasSubstr("with 2 messages"))) << "for a minute";
+  record(70);
   EXPECT_THAT(recorder.report().faults, ::testing::IsEmpty());
   recorder.finish();
   int logs = 0;

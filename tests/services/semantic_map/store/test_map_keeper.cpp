@@ -90,6 +90,21 @@ TEST_F(MapKeeperTest, WhatWasPutIsWrittenBesideItsOwner) {
   EXPECT_EQ(map.trajectory().size(), 1U);
 }
 
+TEST_F(MapKeeperTest, SaysForAMinuteThatTheFileWasDeletedAndWrittenAgain) {
+  MapKeeper keeper(path_, 100);
+  drive(keeper, 7, kSecond, 50);
+  write_all(keeper);
+  fs::remove(path_);
+  keeper.put(a_pose(2 * kSecond));
+  write_all(keeper);
+  EXPECT_EQ(keeper.counters()["store.restored"], 1);
+  EXPECT_EQ(keeper.counters()["faults.store"], 0);
+  EXPECT_NE(keeper.fault().find("the file was deleted during the drive"), std::string::npos) << keeper.fault();
+  EXPECT_EQ(MapReader(path_).tiles().size(), 50U);
+  keeper.put(a_pose(70 * kSecond));
+  EXPECT_EQ(keeper.fault(), "");
+}
+
 TEST_F(MapKeeperTest, WhatComesWhileItWritesIsInTheNextTransaction) {
   MapKeeper keeper(path_, 1000);
   keeper.start(7, kSecond);
