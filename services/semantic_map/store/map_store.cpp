@@ -148,7 +148,7 @@ struct MapStore::Lock {
     if (fd < 0) throw MapStoreError(fmt::format("{}: {}", path, std::strerror(errno)));
     if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
       close(fd);
-      throw MapStoreError(
+      throw WrongMapFile(
           fmt::format("{}: another semantic map service writes it; stop that one, or use another file", path));
     }
   }

@@ -40,6 +40,12 @@ class MapStoreError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Waiting does not help: another process writes the map, or the file is something else and has been named by mistake.
+class WrongMapFile : public MapStoreError {
+ public:
+  using MapStoreError::MapStoreError;
+};
+
 /// Reads a map, also while a service writes it. Never changes the file. All functions throw MapStoreError.
 class MapReader {
  public:
