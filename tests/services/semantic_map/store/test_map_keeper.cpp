@@ -15,65 +15,10 @@
 #include <thread>
 #include <vector>
 
-#include "tests/stamps.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/services/semantic_map/store/map_keeper_fixture.hpp"
 
 namespace curbstone::semantic_map::store {
 namespace {
-
-namespace fs = std::filesystem;
-
-using test::kSecond;
-
-tile::MapTile a_tile(std::int32_t x, tile::CellClass cell_class = tile::CellClass::kRoad, unsigned noise = 0) {
-  tile::MapTile tile;
-  tile.key = {x, 0};
-  tile.utime = kSecond + noise;
-  tile.cell_class.fill(cell_class);
-  for (std::size_t i = 0; i < tile::kCellsInTile; ++i)
-    tile.cost[i] = static_cast<std::uint8_t>(noise * (i * i + 7 * i));
-  return tile;
-}
-
-tile::TrajectoryPose a_pose(std::int64_t utime) {
-  return {utime, static_cast<std::int32_t>(utime / 50'000), Pose::Identity()};
-}
-
-class MapKeeperTest : public ::testing::Test {
- protected:
-  /// Until what was begun is written: the next write() has nothing to do.
-  static void write_all(MapKeeper& keeper) {
-    const auto done = [&] { return keeper.counters()["store.transactions"] + keeper.counters()["faults.store"]; };
-    const std::int64_t before = done();
-    keeper.write();
-    for (int i = 0; i < 5000 && done() == before; ++i, usleep(1000)) keeper.write();
-  }
-
-  /// The maps beside map.db.
-  [[nodiscard]] std::vector<fs::path> kept() const {
-    std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(path_.parent_path()))
-      if (entry.path() != path_) files.push_back(entry.path());
-    std::ranges::sort(files);
-    return files;
-  }
-  static void drive(MapKeeper& keeper, std::int32_t epoch, std::int64_t utime, int tiles) {
-    keeper.start(epoch, utime);
-    for (int x = 0; x < tiles; ++x) keeper.put(a_tile(x));
-    keeper.put(a_pose(utime));
-  }
-  /// A service that is killed when `tiles` of a corrected drive have come again.
-  void die_in_a_correction(int tiles) const {
-    MapKeeper keeper(path_, 1000);
-    drive(keeper, 7, kSecond, 200);
-    drive(keeper, 8, 10 * kSecond, tiles);
-    keeper.corrected_from(kSecond);
-    write_all(keeper);
-  }
-
-  test::TemporaryFolder folder_;
-  fs::path path_ = folder_ / "map.db";
-};
 
 TEST_F(MapKeeperTest, WhatWasPutIsWrittenBesideItsOwner) {
   MapKeeper keeper(path_, 100);
@@ -88,69 +33,6 @@ TEST_F(MapKeeperTest, WhatWasPutIsWrittenBesideItsOwner) {
   EXPECT_EQ(map.epoch(), 7);
   EXPECT_EQ(map.tiles().size(), 50U);
   EXPECT_EQ(map.trajectory().size(), 1U);
-}
-
-TEST_F(MapKeeperTest, SaysForAMinuteThatTheFileWasDeletedAndWrittenAgain) {
-  MapKeeper keeper(path_, 100);
-  drive(keeper, 7, kSecond, 50);
-  write_all(keeper);
-  fs::remove(path_);
-  keeper.put(a_pose(2 * kSecond));
-  write_all(keeper);
-  EXPECT_EQ(keeper.counters()["store.restored"], 1);
-  EXPECT_EQ(keeper.counters()["faults.store"], 0);
-  EXPECT_NE(keeper.fault().find("the file was deleted during the drive"), std::string::npos) << keeper.fault();
-  EXPECT_EQ(MapReader(path_).tiles().size(), 50U);
-  keeper.put(a_pose(70 * kSecond));
-  EXPECT_EQ(keeper.fault(), "");
-}
-
-/// A vehicle drives, and shows the map, though the disk of the map is not there yet.
-TEST_F(MapKeeperTest, AFileThatCannotBeUsedIsAFaultAndIsTriedAgain) {
-  const fs::path disk = folder_ / "disk";
-  std::ofstream(disk) << "in the way";
-  EXPECT_THROW(MapKeeper(disk / "map.db", 100), MapStoreError);
-  MapKeeper keeper(disk / "map.db", 100, true, true);
-  EXPECT_NE(keeper.fault().find("the map is kept in memory only: "), std::string::npos) << keeper.fault();
-  drive(keeper, 7, kSecond, 50);
-  keeper.write();
-  EXPECT_TRUE(keeper.failing());
-  fs::remove(disk);
-  write_all(keeper);
-  EXPECT_EQ(keeper.fault(), "");
-  EXPECT_EQ(MapReader(disk / "map.db").tiles().size(), 50U);
-  keeper.finish({});
-  EXPECT_EQ(MapReader(disk / "map.db").trajectory().size(), 1U);
-}
-
-TEST_F(MapKeeperTest, AFileThatComesLaterKeepsItsEarlierDrive) {
-  const fs::path stored = folder_ / "stored.db", disk = folder_ / "disk";
-  {
-    MapKeeper earlier(stored, 100);
-    drive(earlier, 3, kSecond, 20);
-    earlier.finish({});
-  }
-  std::ofstream(disk) << "in the way";
-  MapKeeper keeper(disk / "map.db", 100, true, true);
-  drive(keeper, 9000, 9000 * kSecond, 50);
-  fs::remove(disk);
-  fs::create_directory(disk);
-  fs::rename(stored, disk / "map.db");
-  write_all(keeper);
-  keeper.finish({});
-  std::size_t earlier = 0;
-  for (const auto& file : fs::directory_iterator(disk)) {
-    if (file.path().filename() != "map.db") earlier += MapReader(file.path()).tiles().size();
-  }
-  EXPECT_EQ(earlier, 20U);
-  EXPECT_EQ(MapReader(disk / "map.db").tiles().size(), 50U);
-}
-
-TEST_F(MapKeeperTest, DoesNotWaitForAFileThatIsNamedByMistakeOrWrittenByAnother) {
-  std::ofstream(folder_ / "letter") << "no map at all";
-  EXPECT_THROW(MapKeeper(folder_ / "letter", 100, true, true), WrongMapFile);
-  const MapKeeper first(path_, 100);
-  EXPECT_THROW(MapKeeper(path_, 100, true, true), WrongMapFile);
 }
 
 TEST_F(MapKeeperTest, WhatComesWhileItWritesIsInTheNextTransaction) {
