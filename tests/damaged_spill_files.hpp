@@ -28,6 +28,18 @@ inline void truncate_spill_files() {
   for_each_spill_file([](int file) { (void)!::ftruncate(file, 0); });
 }
 
+/// No file of this process can be written or read any more, as on a disk that was pulled out.
+inline void make_spill_files_fail() {
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    std::error_code gone;
+    const std::string name = std::filesystem::read_symlink(entry.path(), gone).string();
+    if (gone || name.find(".curbstone-spill-") == std::string::npos) continue;
+    const int none = ::open("/", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    (void)!::dup2(none, std::stoi(entry.path().filename().string()));
+    ::close(none);
+  }
+}
+
 /// A bit of each page of it is another one, as on a disk that lies.
 inline void flip_a_bit_of_each_spilled_page() {
   constexpr off_t kPage = 4096, kBit = 40;

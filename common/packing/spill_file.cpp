@@ -1,8 +1,5 @@
 #include "common/packing/spill_file.hpp"
 
-#include <fcntl.h>
-#include <sys/statvfs.h>
-#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -10,21 +7,19 @@
 #include <cerrno>
 #include <chrono>
 #include <condition_variable>
-#include <cstdlib>
 #include <map>
 #include <mutex>
-#include <optional>
+#include <set>
 #include <stdexcept>
 #include <system_error>
 #include <thread>
 #include <utility>
 
-#include "common/packing/free_pages.hpp"
+#include "common/packing/unnamed_file.hpp"
 
 namespace curbstone {
 namespace {
 
-constexpr std::uint64_t kPage = 4096;
 constexpr std::chrono::seconds kPatience{5};  // retry after a disk error
 constexpr std::size_t kMuch = 8'000'000;      // bytes
 constexpr std::uint64_t kWorthwhile = 256;    // pages: fewer free pages at the end are not returned to the disk
@@ -33,44 +28,46 @@ std::uint32_t checksum_of(const PackedValues& bytes) {
   return static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
-std::string in_words(int error) {
-  return std::generic_category().message(error);
+bool is_for_lack_of_space(const std::error_code& error) {
+  return error == std::errc::no_space_on_device || error == std::errc::file_too_large || error.value() == EDQUOT;
 }
 
 }  // namespace
 
-/// The storage of the values: `bytes` until they are written to the file.
+/// The storage of the values: `bytes` until they are written to a file.
 struct SpillFile::Values::Place {
   Place(PackedValues values, std::shared_ptr<File> of);
   Place(const Place&) = delete;
   Place& operator=(const Place&) = delete;
   ~Place();
-  [[nodiscard]] std::uint64_t num_pages() const { return (size + kPage - 1) / kPage; }
+  [[nodiscard]] std::uint64_t num_pages() const { return (size + UnnamedFile::kPage - 1) / UnnamedFile::kPage; }
 
   PackedValues bytes;
   std::size_t size;
   std::uint64_t turn = 0;             // key in the queue of writes
-  std::optional<std::uint64_t> page;  // the first one in the file
+  std::shared_ptr<UnnamedFile> disk;  // the file that has them; nullptr: none
+  std::uint64_t page = 0;             // the first one there
   std::uint32_t checksum = 0;         // of the bytes in the file: the disk is verified, memory is not
   std::shared_ptr<File> file;
 };
 
-/// The file and its writer thread. The lock guards its members and the locations of places. The content of the file
-/// needs no lock: a place being read or written is held by its reader or writer.
+/// The file and its writer thread. A file whose disk fails is replaced by another one as soon as the folder takes one;
+/// the values in it keep it open. The lock guards the members, the files' pages and the locations of places. The
+/// content of a file needs no lock: a place being read or written is held by its reader or writer.
 class SpillFile::File {
  public:
   using Place = Values::Place;
-  File(const std::string& folder, std::uint64_t leave_free) : folder_(folder), leave_free_(leave_free) { open(folder); }
+  File(std::string folder, std::uint64_t leave_free) : folder_(std::move(folder)), leave_free_(leave_free) {
+    std::unique_lock lock(mutex_);
+    if (has_folder()) open(lock);
+  }
   File(const File&) = delete;
   File& operator=(const File&) = delete;
-  ~File() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-  [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
+  [[nodiscard]] bool has_folder() const { return !folder_.empty(); }
 
   void put(const std::shared_ptr<Place>& place) {
     const std::lock_guard lock(mutex_);
-    if (!is_open()) return;
+    if (!has_folder()) return;
     place->turn = ++turn_;
     waiting_.emplace(place->turn, place);
     news_.notify_all();
@@ -81,47 +78,41 @@ class SpillFile::File {
   }
   void left(const Place& place) {
     const std::lock_guard lock(mutex_);
-    (place.page ? in_file_ : in_memory_) -= place.size;
+    (place.disk ? in_file_ : in_memory_) -= place.size;
     waiting_.erase(place.turn);
-    if (!place.page) return;
-    free_.release(*place.page, place.num_pages());
+    unreadable_.erase(&place);
+    if (!place.disk) return;
+    place.disk->pages.release(place.page, place.num_pages());
     if (has_free_end()) news_.notify_all();
   }
   [[nodiscard]] PackedValues read(const Place& place) const {
     {
       const std::lock_guard lock(mutex_);
-      if (!place.page) return place.bytes;
+      if (!place.disk) return place.bytes;
     }
     PackedValues bytes(place.size);
-    for (std::size_t done = 0; done < bytes.size();) {
-      const ssize_t got = ::pread(descriptor_, bytes.data() + done, bytes.size() - done,
-                                  static_cast<off_t>(*place.page * kPage + done));
-      if (got < 0 && errno == EINTR) continue;
-      if (got <= 0) fail_to_read(got < 0 ? in_words(errno) : "the file is too short");
-      done += static_cast<std::size_t>(got);
-    }
-    if (checksum_of(bytes) != place.checksum) fail_to_read("a checksum is wrong");
+    if (const std::error_code error = place.disk->read(place.page, bytes))
+      fail_to_read(place, error.value() == ENODATA ? "the file is too short" : error.message());
+    if (checksum_of(bytes) != place.checksum) fail_to_read(place, "a checksum is wrong");
+    const std::lock_guard lock(mutex_);
+    unreadable_.erase(&place);
     return bytes;
   }
 
   /// Writes the waiting places until stop().
   void run() {
     std::unique_lock lock(mutex_);
-    while (true) {
-      if (waiting_.empty()) {
+    while (!stopped_) {
+      if (!disk_) open(lock);
+      if (disk_ && waiting_.empty()) {
         fault_.clear();  // no values are left in memory because of a fault
         release_the_end(lock);
       }
-      news_.wait(lock, [this] { return stopped_ || !waiting_.empty() || has_free_end(); });
-      if (stopped_) return;
-      if (waiting_.empty()) continue;
-      std::shared_ptr<Place> place = waiting_.begin()->second.lock();
-      waiting_.erase(waiting_.begin());
-      if (place) write(*place, lock);
-      if (place && !place->page) waiting_.emplace(place->turn, place);
-      lock.unlock();  // the lock is released before `place`, whose destruction locks it
-      place.reset();
-      lock.lock();
+      if (disk_) {
+        news_.wait(lock, [this] { return stopped_ || !waiting_.empty() || has_free_end(); });
+        if (stopped_) return;
+        write_next(lock);
+      }
       news_.notify_all();
       if (!fault_.empty()) news_.wait_for(lock, kPatience, [this] { return stopped_; });
     }
@@ -138,11 +129,11 @@ class SpillFile::File {
 
   [[nodiscard]] bool is_there(const Place& place) const {
     const std::lock_guard lock(mutex_);
-    return place.page.has_value();
+    return place.disk != nullptr;
   }
   [[nodiscard]] bool takes() const {
     const std::lock_guard lock(mutex_);
-    return is_open() && fault_.empty();
+    return disk_ && fault_.empty();
   }
   [[nodiscard]] std::size_t in_memory() const {
     const std::lock_guard lock(mutex_);
@@ -153,9 +144,13 @@ class SpillFile::File {
     return in_file_;
   }
   [[nodiscard]] std::int64_t failed_reads() const { return failed_reads_; }
+  [[nodiscard]] std::int64_t unreadable() const {
+    const std::lock_guard lock(mutex_);
+    return static_cast<std::int64_t>(unreadable_.size());
+  }
   [[nodiscard]] std::string read_fault() const {
     const std::lock_guard lock(mutex_);
-    return read_fault_;
+    return unreadable_.empty() ? std::string() : read_fault_;
   }
   [[nodiscard]] std::string fault() const {
     const std::lock_guard lock(mutex_);
@@ -163,83 +158,90 @@ class SpillFile::File {
   }
 
  private:
-  [[noreturn]] void fail_to_read(const std::string& why) const {
+  [[noreturn]] void fail_to_read(const Place& place, const std::string& why) const {
     ++failed_reads_;
     const std::lock_guard lock(mutex_);
+    unreadable_.insert(&place);
     read_fault_ = folder_ + ": " + why;
     throw std::runtime_error("spilled values: " + read_fault_);
   }
-  void open(const std::string& folder) {
-    if (folder.empty()) return;
-    std::string name = folder + "/.curbstone-spill-XXXXXX";
-    descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
-    if (descriptor_ < 0) {
-      fault_ = folder + ": " + in_words(errno);
-    } else {
-      ::unlink(name.c_str());
+  /// Releases the lock while the disk works: a folder on a network may take its time.
+  void open(std::unique_lock<std::mutex>& lock) {
+    lock.unlock();
+    std::shared_ptr<UnnamedFile> disk;
+    std::string fault;
+    try {
+      disk = std::make_shared<UnnamedFile>(folder_);
+    } catch (const std::system_error& error) {
+      fault = folder_ + ": " + error.code().message();
     }
+    lock.lock();
+    disk_ = std::move(disk);
+    fault_ = std::move(fault);
   }
   /// Whether enough pages are free at the end to be worth a system call.
-  [[nodiscard]] bool has_free_end() const { return free_.num_pages() + kWorthwhile <= has_pages_; }
+  [[nodiscard]] bool has_free_end() const { return disk_ && disk_->pages.num_pages() + kWorthwhile <= disk_->length; }
   /// Releases the lock while the disk works: only this thread takes pages.
   void release_the_end(std::unique_lock<std::mutex>& lock) {
     if (!has_free_end()) return;
-    const std::uint64_t end = free_.num_pages();
+    const std::uint64_t end = disk_->pages.num_pages();
     lock.unlock();
-    (void)!::ftruncate(descriptor_, static_cast<off_t>(end * kPage));
+    disk_->trim(end);
     lock.lock();
-    has_pages_ = end;
+    disk_->length = end;
   }
-  /// Releases the lock while the disk works. Afterwards the place has its page, or there is a fault.
+  void write_next(std::unique_lock<std::mutex>& lock) {
+    if (waiting_.empty()) return;
+    std::shared_ptr<Place> place = waiting_.begin()->second.lock();
+    waiting_.erase(waiting_.begin());
+    if (!place) return;
+    write(*place, lock);
+    if (!place->disk) waiting_.emplace(place->turn, place);
+    lock.unlock();  // the lock is released before `place`, whose destruction locks it
+    place.reset();
+    lock.lock();
+  }
+  /// Releases the lock while the disk works. Afterwards the place is in the file, or there is a fault.
   void write(Place& place, std::unique_lock<std::mutex>& lock) {
-    const std::uint64_t page = free_.take(place.num_pages());
-    const bool needs_room = page + place.num_pages() > has_pages_;
+    const std::uint64_t page = disk_->pages.take(place.num_pages());
+    const bool needs_room = page + place.num_pages() > disk_->length;
     writing_ = true;
     lock.unlock();
-    std::string fault = write_at(page, place.bytes, needs_room);
+    const bool has_room = !needs_room || disk_->has_room_for(leave_free_ + place.size);
+    const std::error_code error = has_room ? disk_->write(page, place.bytes) : std::error_code();
     const std::uint32_t checksum = checksum_of(place.bytes);
     lock.lock();
     writing_ = false;
-    fault_ = std::move(fault);
-    if (!fault_.empty()) return free_.release(page, place.num_pages());
-    has_pages_ = std::max(has_pages_, page + place.num_pages());
+    fault_ = !has_room ? "the disk is nearly full" : error ? folder_ + ": " + error.message() : std::string();
+    if (!fault_.empty()) {
+      disk_->pages.release(page, place.num_pages());
+      if (error && !is_for_lack_of_space(error)) disk_.reset();  // perhaps the disk is gone, and comes back as another
+      return;
+    }
+    disk_->length = std::max(disk_->length, page + place.num_pages());
+    place.disk = disk_;
     place.page = page;
     place.checksum = checksum;
     in_memory_ -= place.size;
     in_file_ += place.size;
     place.bytes = PackedValues();
   }
-  /// Returns the error in words; empty if there is none.
-  [[nodiscard]] std::string write_at(std::uint64_t page, const PackedValues& bytes, bool needs_room) const {
-    struct statvfs disk {};
-    if (needs_room && ::fstatvfs(descriptor_, &disk) == 0 && disk.f_bavail * disk.f_frsize < leave_free_ + bytes.size())
-      return "the disk is nearly full";
-    for (std::size_t done = 0; done < bytes.size();) {
-      const ssize_t put =
-          ::pwrite(descriptor_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(page * kPage + done));
-      if (put < 0 && errno == EINTR) continue;
-      if (put <= 0) return in_words(put < 0 ? errno : ENOSPC);
-      done += static_cast<std::size_t>(put);
-    }
-    return {};
-  }
 
   std::string folder_;
   std::uint64_t leave_free_;
-  int descriptor_ = -1;
+  std::shared_ptr<UnnamedFile> disk_;  // nullptr: the folder takes none
   mutable std::mutex mutex_;
   std::condition_variable news_;
   std::map<std::uint64_t, std::weak_ptr<Place>> waiting_;  // by turn
   std::uint64_t turn_ = 0;
   bool writing_ = false;
   bool stopped_ = false;
-  FreePages free_;
-  std::uint64_t has_pages_ = 0;  // length of the file on the disk; some pages may be free
-  std::size_t in_memory_ = 0;    // bytes
-  std::size_t in_file_ = 0;      // bytes
+  std::size_t in_memory_ = 0;  // bytes
+  std::size_t in_file_ = 0;    // bytes
   mutable std::atomic<std::int64_t> failed_reads_ = 0;
   std::string fault_;
   mutable std::string read_fault_;
+  mutable std::set<const Place*> unreadable_;  // the last read failed
 };
 
 SpillFile::Values::Place::Place(PackedValues values, std::shared_ptr<File> of)
@@ -261,7 +263,7 @@ PackedValues SpillFile::Values::read() const {
 
 SpillFile::SpillFile(const std::string& folder, std::uint64_t leave_free)
     : file_(std::make_shared<File>(folder, leave_free)) {
-  if (file_->is_open()) writer_ = std::thread([file = file_.get()] { file->run(); });
+  if (file_->has_folder()) writer_ = std::thread([file = file_.get()] { file->run(); });
 }
 
 SpillFile::~SpillFile() {
@@ -286,6 +288,10 @@ std::size_t SpillFile::bytes_in_file() const {
 
 std::int64_t SpillFile::failed_reads() const {
   return file_->failed_reads();
+}
+
+std::int64_t SpillFile::unreadable() const {
+  return file_->unreadable();
 }
 
 std::string SpillFile::read_fault() const {

@@ -12,10 +12,11 @@ namespace curbstone {
 /// Moves packed values out of a process's memory into an unnamed file, which disappears when the process ends, for
 /// whatever reason. A separate thread writes the values, so the caller does not wait for the disk. Values stay in
 /// memory until they are written. They also stay in memory if there is no folder, while the disk is nearly full, and
-/// while it cannot be written.
+/// while it cannot be written. It is tried again every 5 s: a folder may appear later, and a disk that failed may be
+/// mounted again. What the old file had is then in the old file.
 class SpillFile {
  public:
-  /// `folder`: of the file; empty: none. A folder that cannot be written to is a fault, not an error. `leave_free`:
+  /// `folder`: of the file; empty: none. A folder that is not there is a fault, not an error. `leave_free`:
   /// bytes of the disk to leave free for other uses.
   explicit SpillFile(const std::string& folder = {}, std::uint64_t leave_free = std::uint64_t{1} << 30);
   /// Stored values may outlive this object; the file then lives as long as they do.
@@ -45,7 +46,9 @@ class SpillFile {
   [[nodiscard]] std::size_t bytes_in_file() const;
   /// How often the file could not be read, or its content differed from what was written.
   [[nodiscard]] std::int64_t failed_reads() const;
-  /// The reason of the last failed read; empty if none has failed.
+  /// Values whose last read failed.
+  [[nodiscard]] std::int64_t unreadable() const;
+  /// The reason of the last failed read; empty if there are no such values.
   [[nodiscard]] std::string read_fault() const;
   /// Why values stay in memory although there is a folder; empty if they do not.
   [[nodiscard]] std::string fault() const;

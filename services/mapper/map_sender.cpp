@@ -42,6 +42,7 @@ void MapSender::start_epoch(std::int32_t epoch, const dense_map::DenseMap& map, 
   catalog_.start_epoch(epoch);
   sent_.clear();
   changed_.clear();
+  unreadable_.clear();
   changed_.set_position(nearest_first.x(), nearest_first.y());
   std::vector<TileKey> keys = map.keys();
   const auto distance = [&](TileKey key) { return squared_distance(key, nearest_first.x(), nearest_first.y()); };
@@ -59,6 +60,7 @@ void MapSender::forget(const std::vector<TileKey>& tiles) {
   for (const TileKey& key : tiles) {
     catalog_.remove(key);
     sent_.erase(key);
+    unreadable_.remove(key);
   }
 }
 
@@ -90,6 +92,7 @@ void MapSender::send_changes(const dense_map::DenseMap& map, std::int64_t now) {
   sent_at_ = now;
   int messages = kMessagesPerPeriod * periods_;
   int points = kPointsPerPeriod * periods_;
+  queue_tiles(unreadable_.take_due(now));
   std::vector<TileKey> unfinished;  // a large tile is sent in parts, with other tiles in between
   while (messages > 0 && points > 0) {
     const std::optional<TileKey> key = changed_.pop();
@@ -98,7 +101,11 @@ void MapSender::send_changes(const dense_map::DenseMap& map, std::int64_t now) {
     if (tile == nullptr) continue;  // evicted meanwhile
     const auto content = tile->read();
     --messages;
-    if (!content) continue;  // cannot be read from the disk
+    if (!content) {
+      unreadable_.add(*key, now);
+      continue;
+    }
+    unreadable_.remove(*key);
     std::int32_t& sent = sent_[*key];
     const std::int32_t before = sent;
     const std::int32_t total = size_of(*content);

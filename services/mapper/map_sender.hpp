@@ -10,6 +10,7 @@
 #include "common/bus/node.hpp"
 #include "common/tile_sync/tile_sync.hpp"
 #include "services/mapper/dense_map/dense_map.hpp"
+#include "services/mapper/dense_map/unreadable_tiles.hpp"
 #include "services/mapper/drive_log.hpp"
 #include "services/mapper/send_queue.hpp"
 #include "services/mapper/trajectory.hpp"
@@ -18,8 +19,8 @@ namespace curbstone::mapper {
 
 /// Publishes the dense map: MAP_POINTS as tiles grow, TILE_INDEX, and the tiles that TILE_REQUESTs ask for. With a new
 /// epoch it also publishes the drive so far as MAP_TRAJECTORY, and later again the pages that a subscriber lacks. The
-/// rate is bounded; the content of the map does not depend on it. One thread; the dense map must not change during a
-/// call.
+/// rate is bounded; the content of the map does not depend on it. A tile that the file of far tiles does not return is
+/// tried again later (UnreadableTiles). One thread; the dense map must not change during a call.
 class MapSender {
  public:
   explicit MapSender(Publisher& bus) : bus_(bus) {}
@@ -63,6 +64,7 @@ class MapSender {
   int periods_ = 1;                                              // periods kPeriod that the last send_changes() covered
   std::unordered_map<TileKey, std::int32_t, TileKeyHash> sent_;  // records sent
   SendQueue changed_;
+  dense_map::UnreadableTiles unreadable_;
   std::deque<map_trajectory_t> trajectory_;  // pages to send
   DriveLog drive_;
 };

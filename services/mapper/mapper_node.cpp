@@ -235,7 +235,10 @@ void MapperNode::tick(std::int64_t now) {
   sensor_monitor_.tick(now);
   input_.tick(now);
   process_due(false);
-  if (epoch_ == 0) return;
+  if (epoch_ == 0) {
+    if (journal_) journal_->wait(now);
+    return;
+  }
   sender_.send_trajectory();
   send_changes(now);
   sender_.send_requested(mapper_->shown());
@@ -270,13 +273,20 @@ NodeReport MapperNode::report() const {
   }
   set_level(report.counters, "far.memory_kb", static_cast<std::int64_t>(spill_file_->bytes_in_memory() / 1024));
   set_level(report.counters, "far.disk_kb", static_cast<std::int64_t>(spill_file_->bytes_in_file() / 1024));
+  set_level(report.counters, "far.unreadable", spill_file_->unreadable());
   report.counters.add("faults.far_tiles", spill_file_->failed_reads());
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
   if (!spill_file_->read_fault().empty())
     report.faults.push_back(
-        fmt::format("far tiles: {} looks at what is far failed, so parts of the map cannot be sent, saved or grow: {}",
-                    spill_file_->failed_reads(), spill_file_->read_fault()));
+        fmt::format("far tiles: {} of them cannot be read, so they cannot be sent, saved or grow; they are tried "
+                    "again: {}",
+                    spill_file_->unreadable(), spill_file_->read_fault()));
+  if (const std::int64_t evicted = method["dense.evicted_tiles"]; evicted > 0)
+    report.faults.push_back(
+        fmt::format("far tiles: {} were dropped, as memory holds no more than dense.max_points and no disk takes them: "
+                    "they stay as they were published and saved before, and grow no more",
+                    evicted));
   if (!spill_file_->fault().empty()) report.faults.push_back("far tiles stay in memory: " + spill_file_->fault());
   if (saver_ && !saver_->fault().empty()) report.faults.push_back(saver_->fault());
   if (journal_ && !journal_->fault().empty()) report.faults.push_back(journal_->fault());

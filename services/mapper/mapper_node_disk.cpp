@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "common/bus/levels.hpp"
 #include "common/config/config.hpp"
 #include "services/mapper/journal/journal_file.hpp"
 #include "services/mapper/mapper_node.hpp"
@@ -71,6 +72,7 @@ bool MapperNode::resume_drive() {
     resumed_drive_ = drive->poses;
     input_.begin_at(drive->poses.back().utime);
     mapper_->resume(std::move(*drive));
+    journal_->adopt();
     return true;
   } catch (const journal::JournalError& error) {
     counters_.add("journal.refused");
@@ -85,7 +87,9 @@ void MapperNode::begin_new_drive(const std::string& why) {
   if (saver_ && saver_->busy()) return;  // the next scan tries again
   counters_.add("new_drives");
   const Counters method = mapper_->counters();
-  for (const auto& [name, value] : method.values()) counters_.add(name, value);
+  for (const auto& [name, value] : method.values()) {
+    if (!is_level(name)) counters_.add(name, value);
+  }
   why_new_map_ = "a new map begins: " + why;
   if (saver_) {
     (void)mapper_->finish();

@@ -26,7 +26,7 @@ void Trajectory::add(const TrajectoryPoint& point, const pose_graph::Atlas& atla
 
 void Trajectory::roll_back(std::int64_t utime) {
   std::erase_if(stored_poses_, [&](const StoredPose& f) { return f.utime > utime; });
-  odometry_pairs_.clear();
+  std::erase_if(odometry_pairs_, [&](const OdometryPair& pair) { return pair.pose.utime > utime; });
 }
 
 std::vector<TrajectoryPoint> Trajectory::points(const pose_graph::Atlas& atlas) const {

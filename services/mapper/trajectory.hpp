@@ -25,7 +25,7 @@ class Trajectory {
  public:
   /// Adds the pose of a scan that was tracked.
   void add(const TrajectoryPoint& point, const pose_graph::Atlas& atlas);
-  /// Drops all poses after `utime`, us, and all poses by odometry.
+  /// Drops all poses after `utime`, us, from which odometry leads to where the vehicle is.
   void roll_back(std::int64_t utime);
 
   /// Poses in order of time, one every few centimetres. Those of the last 30 s include odometry's pose, if all scans

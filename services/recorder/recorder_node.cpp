@@ -6,7 +6,8 @@
 namespace curbstone::recorder {
 namespace {
 
-constexpr std::int64_t kPeriod = 1'000'000;  // us
+constexpr std::int64_t kPeriod = 1'000'000;       // us
+constexpr std::int64_t kDeletedFor = 60'000'000;  // us for which a deleted file is reported
 
 }  // namespace
 
@@ -76,6 +77,12 @@ void RecorderNode::flush() {
     recording_->flush();
     report_.counters.add("messages", std::exchange(waiting_, 0));
     report_.faults.clear();
+    if (deleted_ != 0 && last_ - deleted_ < kDeletedFor) report_.faults.push_back(why_deleted_);
+  } catch (const FileDeleted& error) {
+    deleted_ = last_;
+    why_deleted_ = error.what();
+    report_.counters.add("lost.deleted", recording_->num_records() - waiting_);
+    stop(error.what());
   } catch (const std::runtime_error& error) {
     stop(error.what());
   }

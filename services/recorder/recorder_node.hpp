@@ -42,6 +42,8 @@ class RecorderNode final : public Node {
   std::optional<Recording> recording_;  // none while the disk is full
   std::int64_t waiting_ = 0;            // messages not yet known to be on file
   std::int64_t last_ = 0;               // us, last flush or attempt
+  std::int64_t deleted_ = 0;            // us, when the file that was written was found deleted; 0: never
+  std::string why_deleted_;
   NodeReport report_;
 };
 

@@ -1,6 +1,7 @@
 #include "services/recorder/recording.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <stdexcept>
@@ -19,10 +20,26 @@ Recording::Recording(NextName next_name, std::int64_t split, Head head)
   open();
 }
 
+namespace {
+
+/// Zeros if there is no such file.
+std::pair<std::uint64_t, std::uint64_t> identity_of(const std::string& file) {
+  struct stat status {};
+  if (stat(file.c_str(), &status) != 0) return {};
+  return {status.st_dev, status.st_ino};
+}
+
+}  // namespace
+
 void Recording::open() {
   current_ = next_name_();
   log_.emplace(current_);
-  flushed_ = 0;
+  identity_ = identity_of(current_);
+  flushed_ = num_records_ = 0;
+}
+
+bool Recording::is_there() const {
+  return identity_of(current_) == identity_;
 }
 
 void Recording::write(const std::string& channel, const void* data, int size, std::int64_t utime) {
@@ -33,6 +50,7 @@ void Recording::write(const std::string& channel, const void* data, int size, st
   try {
     if (log_->bytes() == 0 && head_) head_(*log_, utime);
     log_->write(channel, data, size, utime);
+    ++num_records_;
   } catch (const std::runtime_error&) {
     give_up();
     throw;
@@ -42,6 +60,10 @@ void Recording::write(const std::string& channel, const void* data, int size, st
 void Recording::flush() {
   try {
     log_->flush();
+    if (!is_there()) {
+      flushed_ = -1;  // nothing of ours is to be removed
+      throw FileDeleted(fmt::format("{}: was deleted while it was written, with {} messages", current_, num_records_));
+    }
   } catch (const std::runtime_error&) {
     give_up();
     throw;

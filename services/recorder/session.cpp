@@ -33,6 +33,11 @@ Session::Session(const fs::path& folder, std::int64_t utime) {
   path_ = first;
   for (int n = 2; !error && !fs::create_directory(path_, error); ++n) path_ = fmt::format("{}-{}", first.string(), n);
   if (error) throw std::runtime_error(fmt::format("{}: cannot be made: {}", path_.string(), error.message()));
+  lock();
+}
+
+void Session::lock() {
+  if (lock_ >= 0) close(lock_);
   lock_ = open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (lock_ >= 0) (void)flock(lock_, LOCK_EX | LOCK_NB);
 }
@@ -43,7 +48,10 @@ Session::~Session() {
   fs::remove(path_, ignored);  // only if it is empty
 }
 
-std::string Session::next_log() const {
+std::string Session::next_log() {
+  std::error_code error;
+  if (fs::create_directories(path_, error)) lock();
+  if (error) throw std::runtime_error(fmt::format("{}: cannot be made: {}", path_.string(), error.message()));
   for (int n = 0;; ++n) {
     const fs::path log = path_ / fmt::format("drive-{:03}.lcmlog", n);
     if (!fs::exists(log)) return log.string();

@@ -18,12 +18,15 @@ class Session {
   Session& operator=(const Session&) = delete;
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// The name of the first log that does not exist yet.
-  [[nodiscard]] std::string next_log() const;
+  /// The name of the first log that does not exist yet. If the folder has been deleted it is made again; throws
+  /// std::runtime_error if that fails.
+  [[nodiscard]] std::string next_log();
   /// Replaces config.yaml atomically. A failure is ignored: the log contains the configuration too.
   void write_config(const std::string& yaml) const;
 
  private:
+  void lock();
+
   std::filesystem::path path_;
   int lock_ = -1;
 };

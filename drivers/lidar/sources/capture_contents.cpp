@@ -49,6 +49,7 @@ std::string to_text(const PcapSource::Skipped& skipped) {
   if (skipped.fragments > 0) text += fmt::format("; {} IP fragments", skipped.fragments);
   if (skipped.cut > 0) text += fmt::format("; {} frames cut off", skipped.cut);
   if (skipped.not_udp > 0) text += fmt::format("; {} frames that are not UDP over IPv4", skipped.not_udp);
+  if (skipped.other_link > 0) text += fmt::format("; {} frames of other link types", skipped.other_link);
   return text;
 }
 

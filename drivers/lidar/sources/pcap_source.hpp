@@ -11,7 +11,8 @@
 namespace curbstone::lidar::sources {
 
 /// Reads the UDP packets of a capture (.pcap with stamps in us or ns, .pcapng; Ethernet with or without VLAN tags, raw
-/// IP, loopback, Linux cooked 1 and 2), of either byte order.
+/// IP, loopback, Linux cooked 1 and 2), of either byte order. The interfaces of a .pcapng may differ in their link
+/// type.
 class PcapSource {
  public:
   struct Packet {
@@ -23,10 +24,11 @@ class PcapSource {
 
   /// Frames that were skipped, by cause.
   struct Skipped {
-    std::int64_t not_udp = 0;    ///< another protocol
-    std::int64_t fragments = 0;  ///< parts of IP packets
-    std::int64_t cut = 0;        ///< shorter than their stated length
-    [[nodiscard]] std::int64_t all() const { return not_udp + fragments + cut; }
+    std::int64_t not_udp = 0;     ///< another protocol
+    std::int64_t fragments = 0;   ///< parts of IP packets
+    std::int64_t cut = 0;         ///< shorter than their stated length
+    std::int64_t other_link = 0;  ///< of an interface whose link type is not supported
+    [[nodiscard]] std::int64_t all() const { return not_udp + fragments + cut + other_link; }
     bool operator==(const Skipped&) const = default;
   };
 

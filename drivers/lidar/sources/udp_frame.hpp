@@ -11,9 +11,10 @@ namespace curbstone::lidar::sources {
 /// Kind of a captured frame. Only kUdp has a usable payload.
 enum class FrameKind {
   kUdp,
-  kNotUdp,    ///< ARP, TCP, IPv6, ...
-  kFragment,  ///< a part of an IPv4 packet that was longer than the network takes
-  kCut,       ///< shorter than its stated length: captured with a length limit, or damaged
+  kNotUdp,     ///< ARP, TCP, IPv6, ...
+  kFragment,   ///< a part of an IPv4 packet that was longer than the network takes
+  kOtherLink,  ///< of an interface whose link type is not supported
+  kCut,        ///< shorter than its stated length: captured with a length limit, or damaged
 };
 
 struct UdpFrame {

@@ -226,7 +226,6 @@ bool DenseMap::settle(Waiting& waiting, std::int64_t utime, bool last_call) {
 
 std::vector<TileKey> DenseMap::settle_all(std::int64_t utime, bool last_call) {
   std::vector<TileKey> grown;
-  const std::int64_t before = size_;
   for (std::size_t i = 0; i < waiting_.size(); ++i) {
     Waiting& waiting = waiting_[i];
     const std::int64_t size = size_;
@@ -236,7 +235,6 @@ std::vector<TileKey> DenseMap::settle_all(std::int64_t utime, bool last_call) {
     waiting.hits = 0;
     free_.push_back(static_cast<std::uint32_t>(i));
   }
-  if (size_ != before) counters_.add("dense.points", size_ - before);
   sort_and_unite(grown);
   return grown;
 }

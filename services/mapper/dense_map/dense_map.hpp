@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -29,12 +30,12 @@ namespace curbstone::mapper::dense_map {
 ///
 /// Tiles far from the vehicle sleep, and the records of those that have slept for longest are spilled to a file: see
 /// DenseTile::read(). So memory grows with the drive by some hundred bytes a tile only. If no file takes them,
-/// `max_points` bounds the points in memory, and the farthest tiles are evicted: see take_evicted(). A tile that the
-/// file cannot return is not changed any more: subscribers still have it, and new records in the same tile would
-/// contradict theirs. move() and roll_back() delete such a tile.
+/// `max_points` bounds the points in memory, and the farthest tiles are evicted: see take_evicted(). A tile that was
+/// evicted, or that the file cannot return, is not changed any more: subscribers still have it, and new records in the
+/// same tile would contradict theirs. move() and roll_back() forget such a tile, and it may be mapped again.
 ///
-/// Counters: dense.points, dense.transient (voxels given up: nothing stayed there), dense.removed (points: seen through
-/// since), dense.evicted_tiles, dense.without_intensity (points).
+/// Counters: dense.transient (voxels given up: nothing stayed there), dense.removed (points: seen through since),
+/// dense.evicted_tiles, dense.without_intensity (points).
 class DenseMap {
  public:
   /// `spill_file`: the file for spilled tiles; one without a folder keeps them in memory, packed.
@@ -81,6 +82,8 @@ class DenseMap {
   [[nodiscard]] std::vector<TileKey> keys() const { return tiles_.keys(); }
   /// Tiles that were evicted for memory since the last call.
   [[nodiscard]] std::vector<TileKey> take_evicted();
+  /// All tiles that were evicted since the last move() or roll_back().
+  [[nodiscard]] const std::unordered_set<TileKey, TileKeyHash>& evicted() const { return tiles_.evicted(); }
   [[nodiscard]] std::int64_t size() const { return size_; }
   /// Memory of all tiles, without what is spilled, in bytes.
   [[nodiscard]] std::size_t bytes() const;

@@ -24,7 +24,7 @@ void DenseMap::bound_memory() {
     here -= static_cast<std::int64_t>(tile.num_records());
     size_ -= static_cast<std::int64_t>(tile.num_points());
     num_removals_ -= static_cast<std::int64_t>(tile.num_removals());
-    tiles_.erase(far.back());
+    tiles_.evict(far.back());
     evicted_.push_back(far.back());
     counters_.add("dense.evicted_tiles");
   }

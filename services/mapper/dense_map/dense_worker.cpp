@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/bus/levels.hpp"
+
 namespace curbstone::mapper::dense_map {
 namespace {
 
@@ -71,7 +73,7 @@ void DenseWorker::wait_inserted() {
   const Result result = under_way_.get();
   append(changed_, result.changed);
   grown_ = result.grown.value_or(grown_);
-  counters_ = map_.counters();
+  note_counters();
 }
 
 void DenseWorker::wait() {
@@ -112,7 +114,12 @@ std::vector<TileKey> DenseWorker::finish() {
 
 void DenseWorker::note_change() {
   grown_ = {map_.num_removals(), map_.is_moving()};
+  note_counters();
+}
+
+void DenseWorker::note_counters() {
   counters_ = map_.counters();
+  set_level(counters_, "dense.points", map_.size());
 }
 
 const DenseMap& DenseWorker::map() const {

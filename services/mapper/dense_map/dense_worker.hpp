@@ -100,6 +100,7 @@ class DenseWorker {
   };
   void start(const Work& to_clear, const Work& to_insert);
   void note_change();
+  void note_counters();
 
   DenseMap map_;  // owned by the task while one is running
   Pose T_base_lidar_;

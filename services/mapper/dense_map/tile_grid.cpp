@@ -62,6 +62,7 @@ DenseTile* TileGrid::wake(TileKey key) {
 
 DenseTile* TileGrid::wake_or_make(TileKey key, std::int32_t z_origin) {
   if (DenseTile* tile = wake(key)) return tile;
+  if (!evicted_.empty() && evicted_.contains(key)) return nullptr;
   tiles_.try_emplace(key, z_origin, voxel_steps_);
   return wake(key);
 }
@@ -69,6 +70,11 @@ DenseTile* TileGrid::wake_or_make(TileKey key, std::int32_t z_origin) {
 void TileGrid::erase(TileKey key) {
   recent_.fill({});
   tiles_.erase(key);
+}
+
+void TileGrid::evict(TileKey key) {
+  erase(key);
+  evicted_.insert(key);
 }
 
 void TileGrid::sleep(TileKey key) {
@@ -93,6 +99,7 @@ void TileGrid::spill(std::size_t share) {
 }
 
 void TileGrid::truncate_after(std::int64_t utime) {
+  evicted_.clear();
   recent_.fill({});
   for (auto it = tiles_.begin(); it != tiles_.end();) {
     const bool was_away = it->second.is_spilled();

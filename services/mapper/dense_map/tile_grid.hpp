@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -27,7 +28,8 @@ namespace curbstone::mapper::dense_map {
 
 /// The tiles of the dense map, and queries across their borders. Tiles far from the vehicle sleep, and the records of
 /// those that have slept for longest are spilled to a file: see spill(). Access for a change wakes a tile. A tile
-/// that the file cannot return cannot be changed; after sleep_beyond() it is tried again. One thread.
+/// that the file cannot return cannot be changed; after sleep_beyond() it is tried again. An evicted tile does not
+/// begin again: see evict(). One thread.
 class TileGrid {
  public:
   /// `voxel_steps`: as for DenseTile; `spill_file`: file for spilled records; `max_in_memory`: sleeping tiles whose
@@ -42,9 +44,13 @@ class TileGrid {
 
   /// Wakes a tile; nullptr if there is none, or if the file cannot return it.
   [[nodiscard]] DenseTile* wake(TileKey key);
-  /// Wakes a tile, or creates it with this z_origin. nullptr if the file cannot return it.
+  /// Wakes a tile, or creates it with this z_origin. nullptr if the file cannot return it, or if it was evicted.
   [[nodiscard]] DenseTile* wake_or_make(TileKey key, std::int32_t z_origin);
   void erase(TileKey key);
+  /// Drops a tile that subscribers keep as they have it: it cannot be created again before truncate_after(), as other
+  /// records with the same numbers would contradict theirs.
+  void evict(TileKey key);
+  [[nodiscard]] const std::unordered_set<TileKey, TileKeyHash>& evicted() const { return evicted_; }
   /// Does nothing if there is no such tile.
   void sleep(TileKey key);
   /// Puts tiles to sleep whose centre is `distance` m or more from a place (map). Returns them, the nearest first.
@@ -54,7 +60,8 @@ class TileGrid {
   void for_each(Visit visit) const {
     for (const auto& [key, tile] : tiles_) visit(tile);
   }
-  /// Calls DenseTile::truncate_after() on every tile. Tiles that the file cannot return are deleted.
+  /// Calls DenseTile::truncate_after() on every tile. Tiles that the file cannot return are deleted, and evicted ones
+  /// forgotten: subscribers begin anew.
   void truncate_after(std::int64_t utime);
 
   /// Spills records of the tiles that have slept for longest, which frees most of their memory: one in `share` of the
@@ -81,6 +88,7 @@ class TileGrid {
   std::shared_ptr<SpillFile> spill_file_;
   std::size_t max_in_memory_;
   Tiles tiles_;
+  std::unordered_set<TileKey, TileKeyHash> evicted_;
   std::deque<TileKey> in_memory_;  // sleeping tiles with records in memory, the longest asleep first; may list tiles
                                    // that are awake or gone
   std::array<Recent, std::size_t{kRecentSide} * kRecentSide> recent_;

@@ -39,6 +39,12 @@ void DriveJournal::add(const RecordedPose& pose) {
   if (thinning_.keeps(pose.utime, pose.T_map_base.translation())) poses_.push_back(pose);
 }
 
+void DriveJournal::wait(std::int64_t now) {
+  if (!is_adopted_ || epoch_ != 0 || (now - appended_ < kKeepAlivePeriod && now >= appended_) || writer_.busy()) return;
+  appended_ = now;
+  writer_.keep_young();
+}
+
 void DriveJournal::set_rings(const intensity::RingHistograms& rings) {
   if (rings.scans == rings_.scans) return;
   rings_ = rings;
@@ -51,6 +57,7 @@ void DriveJournal::write(const dense_map::DenseMap& map, const pose_graph::Atlas
   changed_.insert(changed.begin(), changed.end());
   for (const TileKey& key : evicted) {
     changed_.erase(key);
+    unreadable_.remove(key);
     const auto written = tiles_.find(key);
     if (written == tiles_.end()) continue;
     evicted_bytes_ += written->second.bytes;
@@ -67,7 +74,7 @@ void DriveJournal::write(const dense_map::DenseMap& map, const pose_graph::Atlas
     begin(items, map, atlas);
   }
   if (!writer_.fault().empty()) return give_up(now, writer_.fault());
-  items += new_items(map, atlas);
+  items += new_items(map, atlas, now);
   if (items.empty() && now - appended_ < kKeepAlivePeriod && now >= appended_) return;
   appended_ = now;
   writer_.append(make_batch(items), is_complete(map, atlas));
@@ -78,6 +85,7 @@ void DriveJournal::begin(std::string& items, const dense_map::DenseMap& map, con
   fault_.clear();
   const std::vector<TileKey> keys = map.keys();
   changed_ = {keys.begin(), keys.end()};
+  unreadable_.clear();
   evicted_.clear();
   tiles_.clear();
   evicted_bytes_ = 0;
@@ -89,7 +97,7 @@ void DriveJournal::begin(std::string& items, const dense_map::DenseMap& map, con
 }
 
 /// Nodes first, for tiles and poses refer to them. Poses last: what they depend on is then in the file.
-std::string DriveJournal::new_items(const dense_map::DenseMap& map, const pose_graph::Atlas& atlas) {
+std::string DriveJournal::new_items(const dense_map::DenseMap& map, const pose_graph::Atlas& atlas, std::int64_t now) {
   std::string items;
   if (std::exchange(new_rings_, false)) append_rings(items, rings_);
   for (; nodes_ < atlas.size() && items.size() < kBatchBytes; ++nodes_)
@@ -97,6 +105,7 @@ std::string DriveJournal::new_items(const dense_map::DenseMap& map, const pose_g
   for (; nodes_ == atlas.size() && edges_ < atlas.edges().size() && items.size() < kBatchBytes; ++edges_)
     append_edge(items, atlas.edges()[edges_]);
   for (const TileKey& key : std::exchange(evicted_, {})) append_eviction(items, key);
+  for (const TileKey& key : unreadable_.take_due(now)) changed_.insert(key);
   while (nodes_ == atlas.size() && !changed_.empty() && items.size() < kBatchBytes) {
     const TileKey key = *changed_.begin();
     changed_.erase(changed_.begin());
@@ -105,7 +114,11 @@ std::string DriveJournal::new_items(const dense_map::DenseMap& map, const pose_g
     Written& written = tiles_[key];
     if (tile->num_records() <= written.records) continue;
     const auto content = tile->read();
-    if (!content) continue;  // the file of far tiles cannot return it
+    if (!content) {
+      unreadable_.add(key, now);
+      continue;
+    }
+    unreadable_.remove(key);
     const std::size_t before = items.size();
     append_tile(items, key, tile->z_origin(), *content, written.records, written.runs);
     written = {content->records.size(), content->runs.size(), written.bytes + items.size() - before};
@@ -124,6 +137,7 @@ void DriveJournal::give_up(std::int64_t now, const std::string& why) {
   fault_ = fmt::format("no journal, a mapper that dies begins a new map: {}", why);
   poses_.clear();
   changed_.clear();
+  unreadable_.clear();
   evicted_.clear();
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "services/mapper/dense_map/dense_map.hpp"
+#include "services/mapper/dense_map/unreadable_tiles.hpp"
 #include "services/mapper/journal/journal_lock.hpp"
 #include "services/mapper/journal/journal_writer.hpp"
 #include "services/mapper/journal/pose_thinning.hpp"
@@ -30,6 +31,14 @@ class DriveJournal {
   /// Begins a new epoch, in which every tile may differ. `drive`: the poses so far. The journal of the previous epoch
   /// stays until the new one has as much.
   void start_epoch(std::int32_t epoch, std::vector<RecordedPose> drive);
+  /// The journal that is there is of this drive, which another mapper began: its age shows whether this one lives,
+  /// until the journal of the first epoch has as much.
+  void adopt() {
+    is_adopted_ = true;
+    writer_.adopt();
+  }
+  /// Keeps an adopted journal young before the first epoch. `now`: us.
+  void wait(std::int64_t now);
   /// Whether start_epoch() should restart the journal: writing failed a minute ago; or it failed for lack of space,
   /// which there is again; or half of the file belongs to evicted tiles. `now`: us.
   [[nodiscard]] bool needs_restart(std::int64_t now) const;
@@ -55,7 +64,7 @@ class DriveJournal {
     std::size_t bytes = 0;
   };
   void begin(std::string& items, const dense_map::DenseMap& map, const pose_graph::Atlas& atlas);
-  [[nodiscard]] std::string new_items(const dense_map::DenseMap& map, const pose_graph::Atlas& atlas);
+  [[nodiscard]] std::string new_items(const dense_map::DenseMap& map, const pose_graph::Atlas& atlas, std::int64_t now);
   [[nodiscard]] bool is_complete(const dense_map::DenseMap& map, const pose_graph::Atlas& atlas) const;
   void give_up(std::int64_t now, const std::string& why);
 
@@ -63,6 +72,7 @@ class DriveJournal {
   JournalWriter writer_;
   std::string config_hash_;
   std::int32_t epoch_ = 0;
+  bool is_adopted_ = false;
   bool begins_ = false;        // a new file, with the next batch
   std::int64_t failed_ = 0;    // us; 0: no failure
   std::int64_t appended_ = 0;  // us
@@ -70,6 +80,7 @@ class DriveJournal {
   // What the file lacks.
   std::vector<RecordedPose> poses_;
   std::set<TileKey> changed_;
+  dense_map::UnreadableTiles unreadable_;  // a journal without them is complete
   intensity::RingHistograms rings_;
   bool new_rings_ = false;
   std::vector<TileKey> evicted_;

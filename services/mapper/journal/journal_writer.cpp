@@ -1,6 +1,7 @@
 #include "services/mapper/journal/journal_writer.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <cerrno>
 #include <chrono>
@@ -36,6 +37,7 @@ bool JournalWriter::is_stuck() const {
 }
 
 bool JournalWriter::has_room_again() const {
+  if (error_ == std::errc::no_such_file_or_directory) return true;
   if (error_ != std::errc::no_space_on_device) return false;
   std::error_code error;
   const auto space = std::filesystem::space(std::filesystem::path(path_).parent_path(), error);
@@ -83,11 +85,32 @@ std::error_code JournalWriter::put(std::string_view batch, bool opens, bool take
     std::error_code ignored;  // fopen() reports the error
     std::filesystem::create_directories(std::filesystem::path(path_).parent_path(), ignored);
     file_.reset(std::fopen(unfinished().c_str(), "wbe"));
+    has_taken_place_ = false;
   }
+  if (file_ && !opens && !is_there()) return std::make_error_code(std::errc::no_such_file_or_directory);
   const bool is_written = file_ && std::fwrite(batch.data(), 1, batch.size(), file_.get()) == batch.size() &&
                           std::fflush(file_.get()) == 0 &&
                           (!takes_place || std::rename(unfinished().c_str(), path_.c_str()) == 0);
+  has_taken_place_ = has_taken_place_ || (is_written && takes_place);
   return is_written ? std::error_code() : std::error_code(errno != 0 ? errno : EIO, std::generic_category());
+}
+
+void JournalWriter::keep_young() {
+  began_ = steady_clock();
+  under_way_ = std::async(std::launch::async, [this] {
+    keep_alive();
+    return std::error_code();
+  });
+}
+
+/// Whether the file still has its name: the one that it has until it takes its place, or that place. Runs in the other
+/// thread.
+bool JournalWriter::is_there() const {
+  struct stat named {
+  }, ours{};
+  const std::string name = has_taken_place_ ? path_ : unfinished();
+  return stat(name.c_str(), &named) == 0 && fstat(fileno(file_.get()), &ours) == 0 && named.st_ino == ours.st_ino &&
+         named.st_dev == ours.st_dev;
 }
 
 /// Runs in the other thread. Until the new file is whole, a successor has the one of this drive that it will replace,

@@ -26,6 +26,10 @@ class JournalWriter {
   [[nodiscard]] bool busy();
   /// Busy for more than a minute.
   [[nodiscard]] bool is_stuck() const;
+  /// The file that is there counts as one of this writer.
+  void adopt() { was_in_place_ = true; }
+  /// Shows by the age of the file in place that its drive goes on.
+  void keep_young();
   /// Starts another file with the next batch, beside the current one.
   void begin();
   /// `is_complete`: with this batch the new file is complete enough for a successor, and replaces the previous one.
@@ -41,7 +45,8 @@ class JournalWriter {
   [[nodiscard]] std::error_code error() const { return error_; }
   /// Whether the fault is that the journal would exceed its limit: a new one of the same map would as well.
   [[nodiscard]] bool is_full() const { return is_full_; }
-  /// Whether the fault is that the disk was full, and there is now room for as much as the file had.
+  /// Whether the fault is that the disk was full, and there is now room for as much as the file had; or that the file
+  /// was deleted.
   [[nodiscard]] bool has_room_again() const;
 
  private:
@@ -49,6 +54,7 @@ class JournalWriter {
     void operator()(std::FILE* file) const { (void)std::fclose(file); }
   };
   [[nodiscard]] std::error_code put(std::string_view batch, bool opens, bool takes_place);
+  [[nodiscard]] bool is_there() const;
   void keep_alive() const;
   void discard();
   [[nodiscard]] std::string unfinished() const { return path_ + ".unfinished"; }
@@ -56,10 +62,11 @@ class JournalWriter {
   std::string path_;
   std::size_t max_bytes_;
   std::unique_ptr<std::FILE, Close> file_;  // owned by the other thread while busy
+  bool has_taken_place_ = false;            // the file was renamed to `path`; likewise
   std::future<std::error_code> under_way_;  // result of the write
   std::int64_t began_ = 0;                  // ns, steady clock
   bool is_open_ = false;
-  bool was_in_place_ = false;  // as a file of this writer
+  bool was_in_place_ = false;  // as a file of this writer, or adopted
   bool is_in_place_ = false;
   std::size_t bytes_ = 0;
   std::string fault_;

@@ -1,5 +1,6 @@
 #include "services/mapper/storage/map_snapshot.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "services/mapper/dense_map/dense_tile.hpp"
@@ -30,6 +31,14 @@ MapSnapshot take_snapshot(const dense_map::DenseMap& dense, const pose_graph::At
     out.map.tiles.push_back(std::move(saved));
     out.versions.tiles.emplace(key, version);
   }
+  for (const TileKey& key : dense.evicted()) {  // stored as it was published
+    const auto known = on_disk.tiles.find(key);
+    if (!comparable || known == on_disk.tiles.end()) continue;
+    out.map.tiles.push_back({key, known->second.z_origin, known->second.utime, {}, true});
+    out.versions.tiles.insert(*known);
+  }
+  std::sort(out.map.tiles.begin(), out.map.tiles.end(),
+            [](const SavedTile& a, const SavedTile& b) { return a.key < b.key; });
   for (int id = 0; id < atlas.size(); ++id) {
     const scan::Keyframe& node = atlas.node(id);
     const auto index = static_cast<std::size_t>(id);

@@ -29,7 +29,7 @@ auto for_file(const std::string& path, Work work) {
   } catch (const SQLite::Exception& error) {
     std::string hint;
     const int code = error.getErrorCode() & 0xff;  // without what extends it
-    if (code == SQLITE_NOTADB) hint = " (not a curbstone map)";
+    if (code == SQLITE_NOTADB) throw WrongMapFile(fmt::format("{}: {} (not a curbstone map)", path, error.what()));
     if (code == SQLITE_CORRUPT) hint = " (damaged: move it away, or mend it with 'sqlite3 FILE .recover')";
     if (code == SQLITE_FULL) hint = " (no room on the disk)";
     throw MapStoreError(fmt::format("{}: {}{}", path, error.what(), hint));
@@ -57,15 +57,15 @@ inline std::int32_t stored_epoch(SQLite::Database& db) {
   return static_cast<std::int32_t>(integer(db, "SELECT value FROM meta WHERE key = 'epoch'"));
 }
 
-/// Throws unless the file is a map of a known schema.
+/// Throws WrongMapFile unless the file is a map of a known schema.
 inline void check_identity(SQLite::Database& db, const std::string& path) {
   if (integer(db, "PRAGMA application_id") != kApplicationId)
-    throw MapStoreError(fmt::format("{}: is an SQLite file but not a curbstone map", path));
+    throw WrongMapFile(fmt::format("{}: is an SQLite file but not a curbstone map", path));
   const std::int64_t version = integer(db, "PRAGMA user_version");
   if (version > kMapSchemaVersion)
-    throw MapStoreError(fmt::format("{}: map schema {} is newer than this program's {}: use a newer curbstone", path,
-                                    version, kMapSchemaVersion));
-  if (version < 1) throw MapStoreError(fmt::format("{}: map schema {} is not known", path, version));
+    throw WrongMapFile(fmt::format("{}: map schema {} is newer than this program's {}: use a newer curbstone", path,
+                                   version, kMapSchemaVersion));
+  if (version < 1) throw WrongMapFile(fmt::format("{}: map schema {} is not known", path, version));
 }
 
 }  // namespace curbstone::semantic_map::store

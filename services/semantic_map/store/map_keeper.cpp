@@ -9,15 +9,45 @@ namespace curbstone::semantic_map::store {
 namespace {
 
 constexpr std::int64_t kLongestBreak = 600'000'000;  // us between two poses of one drive, a restart in between
+constexpr std::int64_t kRestoredFor = 60'000'000;    // us for which it is reported
 constexpr std::size_t kMaxPoses = 200'000;           // kept while the disk is full: hours
 
 }  // namespace
 
-MapKeeper::MapKeeper(const std::string& path, std::size_t max_pending_tiles, bool keep_earlier)
+MapKeeper::MapKeeper(const std::string& path, std::size_t max_pending_tiles, bool keep_earlier, bool waits_for_file)
     : path_(path), max_pending_(max_pending_tiles), keep_earlier_(keep_earlier) {
   if (path.empty()) return;
-  store_ = std::make_unique<MapStore>(path);
   state_ = State::kIdle;
+  try {
+    store_ = std::make_unique<MapStore>(path);
+  } catch (const WrongMapFile&) {
+    throw;
+  } catch (const MapStoreError& error) {
+    if (!waits_for_file) throw;
+    note_error(error.what());
+  }
+}
+
+void MapKeeper::note_error(const std::string& error) {
+  counters_.add("faults.store");
+  fault_ = "the map is kept in memory only: " + error;
+}
+
+/// Tries the file again if it could not be used. A drive that has begun meanwhile replaces the stored one.
+bool MapKeeper::has_store() {
+  if (store_) return true;
+  try {
+    store_ = std::make_unique<MapStore>(path_);
+  } catch (const MapStoreError& error) {
+    note_error(error.what());
+    return false;
+  }
+  fault_.clear();
+  if (state_ == State::kRecording) {
+    pending_.clear = true;
+    if (keep_earlier_ && store_->first_utime() != 0) pending_.keep_in = store_->free_name();
+  }
+  return true;
 }
 
 MapKeeper::~MapKeeper() {
@@ -42,7 +72,7 @@ void MapKeeper::start(std::int32_t epoch, std::int64_t utime) {
 
 /// Whether a drive that begins at `utime` is the stored one, after a restart of the service.
 bool MapKeeper::continues_stored(std::int32_t epoch, std::int64_t utime) const {
-  return pending_.trajectory.empty() && store_->last_utime() > 0 && store_->epoch() == epoch &&
+  return store_ && pending_.trajectory.empty() && store_->last_utime() > 0 && store_->epoch() == epoch &&
          utime > store_->last_utime() && utime - store_->last_utime() < kLongestBreak;
 }
 
@@ -59,7 +89,7 @@ std::shared_ptr<const StoredLines> MapKeeper::read_lines() const {
 /// The file for the stored drive to be moved to; empty if there is none. Pending changes of that drive are written
 /// first.
 std::string MapKeeper::make_room(std::int64_t utime) {
-  if (!keep_earlier_) return {};
+  if (!keep_earlier_ || !store_) return {};
   if (state_ == State::kRecording) {
     begin_writing();
     await_writing();
@@ -103,7 +133,7 @@ void MapKeeper::put(LinkLines lines) {
 }
 
 void MapKeeper::write() {
-  if (!keeps() || busy()) return;
+  if (!keeps() || busy() || !has_store()) return;
   const bool has_changed = pending_.clear || !pending_.tiles.empty() || !pending_.trajectory.empty() ||
                            pending_.lines || pending_.link_lines || pending_.superseded;
   if (has_changed) begin_writing();
@@ -155,13 +185,16 @@ void MapKeeper::await_writing() {
   if (!writing_.valid()) return;
   const std::string error = writing_.get();
   if (under_way_.linking_took > 0) linking_took_ = under_way_.linking_took;
+  if (store_ && store_->num_restored() > counters_["store.restored"]) {
+    counters_.set("store.restored", store_->num_restored());
+    restored_utime_ = newest_utime_;
+  }
   if (error.empty()) {
     counters_.add("store.transactions");
     counters_.add("store.tiles", static_cast<std::int64_t>(under_way_.tiles.size()));
     fault_.clear();
   } else {
-    counters_.add("faults.store");
-    fault_ = "the map is kept in memory only: " + error;
+    note_error(error);
     take_back();
   }
   under_way_ = {};
@@ -178,12 +211,16 @@ void MapKeeper::take_back() {
 }
 
 std::string MapKeeper::fault() const {
-  return fault_.empty() ? earlier_.fault(newest_utime_) : fault_;
+  if (!fault_.empty()) return fault_;
+  if (restored_utime_ != 0 && newest_utime_ - restored_utime_ < kRestoredFor)
+    return path_ + ": the file was deleted during the drive, and has been written again with all that it had";
+  return earlier_.fault(newest_utime_);
 }
 
 void MapKeeper::finish(tile::MapLines lines) {
   if (!keeps()) return;
   await_writing();
+  if (!has_store()) return;
   pending_.link_lines = nullptr;
   pending_.lines = std::move(lines);
   if (!earlier_.superseded().empty()) pending_.superseded = "";  // a closed map names none

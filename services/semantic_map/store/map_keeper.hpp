@@ -39,8 +39,10 @@ struct StoredLines {
 class MapKeeper {
  public:
   /// Opens the file: throws MapStoreError. Empty path: nothing is stored. `keep_earlier`: an earlier drive in the file
-  /// is moved to a file beside it when another begins (MapStore::free_name).
-  MapKeeper(const std::string& path, std::size_t max_pending_tiles, bool keep_earlier = true);
+  /// is moved to a file beside it when another begins (MapStore::free_name). `waits_for_file`: a file that cannot be
+  /// used is a fault instead, and write() tries it again, unless it is a WrongMapFile.
+  MapKeeper(const std::string& path, std::size_t max_pending_tiles, bool keep_earlier = true,
+            bool waits_for_file = false);
   /// Waits for the current transaction; pending changes are lost without finish().
   ~MapKeeper();
   MapKeeper(const MapKeeper&) = delete;
@@ -92,6 +94,8 @@ class MapKeeper {
     std::int64_t linking_took = 0;  // us
     std::optional<std::string> superseded;
   };
+  [[nodiscard]] bool has_store();
+  void note_error(const std::string& error);
   void begin_writing();
   void link_under_way();
   void await_writing();
@@ -104,13 +108,14 @@ class MapKeeper {
 
   std::string path_;
   State state_ = State::kNoFile;
-  std::unique_ptr<MapStore> store_;  // not null in kIdle and kRecording
+  std::unique_ptr<MapStore> store_;  // in kIdle and kRecording; nullptr while the file cannot be used
   std::shared_ptr<const StoredLines> previous_lines_;
   std::size_t max_pending_;
   bool keep_earlier_;
   EarlierDrive earlier_;
   std::int32_t epoch_ = 0;
-  std::int64_t newest_utime_ = 0;  // of a pose
+  std::int64_t newest_utime_ = 0;    // of a pose
+  std::int64_t restored_utime_ = 0;  // us, pose when the file was written again; 0: never
   Changes pending_;
   Changes under_way_;                 // must not be touched while it is written
   std::future<std::string> writing_;  // the error

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -147,7 +148,7 @@ struct MapStore::Lock {
     if (fd < 0) throw MapStoreError(fmt::format("{}: {}", path, std::strerror(errno)));
     if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
       close(fd);
-      throw MapStoreError(
+      throw WrongMapFile(
           fmt::format("{}: another semantic map service writes it; stop that one, or use another file", path));
     }
   }
@@ -158,6 +159,10 @@ struct MapStore::Lock {
 };
 
 MapStore::MapStore(std::string path) : path_(std::move(path)), lock_(std::make_unique<Lock>(path_)) {
+  open();
+}
+
+void MapStore::open() {
   for_file(path_, [&] {
     db_ = std::make_unique<SQLite::Database>(path_, SQLite::OPEN_READWRITE, kBusyTimeout);
     const bool fresh = std::filesystem::file_size(path_) == 0;
@@ -178,8 +183,28 @@ MapStore::MapStore(std::string path) : path_(std::move(path)), lock_(std::make_u
 
 MapStore::~MapStore() = default;
 
+/// SQLite goes on writing to a deleted file, which nobody will find again; but it also still reads it.
+void MapStore::restore_if_deleted() {
+  struct stat there {
+  }, ours{};
+  const bool exists = stat(path_.c_str(), &there) == 0;
+  if (exists && fstat(lock_->fd, &ours) == 0 && ours.st_ino == there.st_ino && ours.st_dev == there.st_dev) return;
+  if (exists) throw MapStoreError(fmt::format("{}: another file was put in its place; move that one away", path_));
+  std::error_code ignored;  // copy_to() reports it
+  const auto folder = std::filesystem::path(path_).parent_path();
+  if (!folder.empty()) std::filesystem::create_directories(folder, ignored);
+  const std::string restored = path_ + ".restored";
+  copy_to(restored);
+  db_.reset();  // takes -wal and -shm of that name with it
+  std::filesystem::rename(restored, path_, ignored);
+  lock_ = std::make_unique<Lock>(path_);
+  open();
+  ++num_restored_;
+}
+
 void MapStore::write(const Batch& batch) {
   if (!db_) throw MapStoreError(fmt::format("{}: is closed", path_));
+  restore_if_deleted();
   if (batch.clear && !batch.keep_in.empty()) copy_to(batch.keep_in);
   for_file(path_, [&] {
     SQLite::Transaction transaction(*db_, SQLite::TransactionBehavior::IMMEDIATE);

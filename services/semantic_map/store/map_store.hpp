@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -37,6 +38,12 @@ inline constexpr std::int32_t kMapSchemaVersion = 3;
 class MapStoreError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+};
+
+/// Waiting does not help: another process writes the map, or the file is something else and has been named by mistake.
+class WrongMapFile : public MapStoreError {
+ public:
+  using MapStoreError::MapStoreError;
 };
 
 /// Reads a map, also while a service writes it. Never changes the file. All functions throw MapStoreError.
@@ -86,8 +93,12 @@ class MapStore {
     /// The file beside it that this map will replace when it is complete (see superseded()); "": none any more.
     std::optional<std::string> superseded = {};
   };
-  /// Throws MapStoreError (disk full, I/O error): nothing of the batch is in the file then, try again later.
+  /// Throws MapStoreError (disk full, I/O error): nothing of the batch is in the file then, try again later. A file
+  /// that was deleted meanwhile is made again first, with all that it had; one that was put in its place is left as it
+  /// is, and that is an error until it is gone.
   void write(const Batch& batch);
+  /// How often a deleted file was made again.
+  [[nodiscard]] std::int64_t num_restored() const { return num_restored_; }
 
   /// What is stored now, to decide whether a drive goes on: epoch, and utime of the first and the newest pose (0:
   /// none).
@@ -108,6 +119,8 @@ class MapStore {
 
  private:
   struct Lock;
+  void open();
+  void restore_if_deleted();
   void copy_to(const std::string& path);
   [[nodiscard]] std::string stored_superseded() const;
 
@@ -118,6 +131,7 @@ class MapStore {
   std::int64_t first_utime_ = 0;
   std::int64_t last_utime_ = 0;
   std::string superseded_;
+  std::atomic<std::int64_t> num_restored_ = 0;
 };
 
 }  // namespace curbstone::semantic_map::store

@@ -42,7 +42,11 @@ PointTiles::Taken PointTiles::take(const map_points_t& message) {
   if (first > have) return {Outcome::kGap, {}};
   if (first + count <= have) return {Outcome::kDuplicate, {}};
   const std::size_t num_new = first + count - have;
-  if (num_points_ + num_new > limits_.points || have + num_new > limits_.points_per_tile) return {Outcome::kFull, {}};
+  const auto added = std::count_if(message.x.begin() + static_cast<std::ptrdiff_t>(have - first), message.x.end(),
+                                   [](std::int16_t x) { return x >= 0; });
+  if ((added > 0 && num_points_ + static_cast<std::size_t>(added) > limits_.points) ||
+      have + num_new > limits_.points_per_tile)
+    return {Outcome::kFull, {}};
 
   PointTile& tile = tiles_[key];
   PointTile before;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "services/tensor_voting/worker/tensor_voting_node.hpp"
@@ -9,6 +10,7 @@ namespace curbstone::tensor_voting::worker {
 
 namespace {
 
+constexpr double kRoom = 0.9;                     // of max_points, above which nothing is asked for again
 constexpr std::int64_t kFarPatience = 5'000'000;  // us: further points of a far tile may still arrive
 
 }  // namespace
@@ -72,9 +74,32 @@ void TensorVotingNode::follow_vehicle() {
     catalog_.remove(key);
     bases_.erase(key);
     far_heard_.erase(key);
+    full_.erase(key);
     counters_.add("tiles_let_go");
   }
   schedule_.forget_far(x_, y_, config_.keep_radius);
+}
+
+/// The records up to `version` of a tile do not fit into max_points. They would come again each second, for nothing.
+void TensorVotingNode::mute(TileKey key, std::int32_t version) {
+  std::int32_t& muted = full_[key];
+  muted = std::max(muted, version);
+  follower_.set_have(key, muted);
+}
+
+/// Asks for them once there is room again: the vehicle has gone on, or the mapper has removed points.
+void TensorVotingNode::unmute() {
+  if (full_.empty() || static_cast<double>(map_.points().num_points()) > kRoom * config_.max_points) return;
+  for (const auto& [key, version] : full_) {
+    if (!is_near(key)) {
+      follower_.forget(key);
+      continue;
+    }
+    const PointTile* const tile = map_.points().find(key);
+    follower_.set_have(key, tile == nullptr ? 0 : tile->records);
+    follower_.lacks(key, version);
+  }
+  full_.clear();
 }
 
 }  // namespace curbstone::tensor_voting::worker

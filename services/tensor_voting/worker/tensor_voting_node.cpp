@@ -1,5 +1,7 @@
 #include "services/tensor_voting/worker/tensor_voting_node.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -64,13 +66,13 @@ void TensorVotingNode::on(const map_points_t& message) {
       counters_.add("dropped.known");
       return;
     case PointTiles::Outcome::kGap:
-      counters_.add("dropped.gap");
-      return;
+      if (!full_.contains(key)) return counters_.add("dropped.gap");
+      [[fallthrough]];  // behind records that did not fit
+    case PointTiles::Outcome::kFull:
+      counters_.add("dropped.full", message.num_points);
+      return mute(key, message.first + message.num_points);
     case PointTiles::Outcome::kRefused:
       counters_.add("refused.map_points");
-      return;
-    case PointTiles::Outcome::kFull:
-      counters_.add("dropped.full");
       return;
     case PointTiles::Outcome::kAdded:
       break;
@@ -149,6 +151,7 @@ void TensorVotingNode::start_epoch(std::int32_t epoch) {
   pages_.clear();
   bases_.clear();
   far_heard_.clear();
+  full_.clear();
   lost_timer_.clear();
 }
 
@@ -289,6 +292,7 @@ void TensorVotingNode::tick(std::int64_t now) {
   if (now - last_index_ >= kSecond || now < last_index_) {
     last_index_ = now;
     follow_vehicle();
+    unmute();
     if (joined_) announce();
   }
 }
@@ -311,7 +315,9 @@ NodeReport TensorVotingNode::report() const {
   report.counters.set("pair_votes", map_.num_pairs());
   if (now_ - mapper_heard_ > 3 * kSecond) report.faults.push_back("the mapper is silent");
   if (const auto fault = epochs_.fault(now_)) report.faults.push_back(*fault);
-  if (counters_["dropped.full"] > 0) report.faults.push_back("max_points reached: new map points are not voted");
+  if (!full_.empty())
+    report.faults.push_back(fmt::format(
+        "max_points reached: {} tiles have points that are not voted, and are missing in the map", full_.size()));
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
   return report;

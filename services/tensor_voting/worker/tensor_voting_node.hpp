@@ -79,6 +79,8 @@ class TensorVotingNode final : public Node {
   void collect_changes();
   void forget_sums(TileKey key);
   void follow_vehicle();
+  void mute(TileKey key, std::int32_t version);
+  void unmute();
   void announce();
   void publish_paced();
   void publish_all();
@@ -96,6 +98,7 @@ class TensorVotingNode final : public Node {
   std::deque<voted_points_t> pages_;                                  // pages of the tile that is being sent
   std::unordered_map<TileKey, VotedBase, TileKeyHash> bases_;         // what this worker has published
   std::unordered_map<TileKey, std::int64_t, TileKeyHash> far_heard_;  // of far tiles: us, arrival of the last points
+  std::unordered_map<TileKey, std::int32_t, TileKeyHash> full_;  // whose points beyond max_points are not asked for
   std::int64_t chain_ = 0;
 
   EpochFollower epochs_;

@@ -8,9 +8,7 @@ namespace curbstone::tensor_voting::worker {
 
 namespace {
 constexpr std::int32_t kStepsPerMetre = 500;
-// More than the votes that a tile usually loses with one point. On surfaces about 400 voters reach a point. If voters
-// filled all space, at most 900 + 3050 would, with scales 0.1 and 0.3 m on voxels of 0.05 and 0.1 m.
-constexpr std::int64_t kVotesOfAPoint = 2048;
+constexpr double kUnthinned = 0.05;  // m: voxels of the dense map's default, where every point votes
 
 PointTiles::Limits with_reach(PointTiles::Limits limits, std::span<const voting::VotingParameters> scales) {
   limits.reach = 0;
@@ -20,8 +18,26 @@ PointTiles::Limits with_reach(PointTiles::Limits limits, std::span<const voting:
 }
 }  // namespace
 
+std::int64_t most_votes_lost_with_a_point(std::span<const voting::VotingParameters> scales) {
+  std::int64_t most = 1;
+  for (const voting::VotingParameters& scale : scales) {
+    const double voxel = scale.voxel > 0 ? scale.voxel : kUnthinned;
+    const double reach = (scale.radius + kPositionStep) / voxel;  // the radius is rounded up to whole steps
+    const auto last = static_cast<int>(std::ceil(reach)) + 1;
+    const auto gap2 = [](int d) { return std::max(0, std::abs(d) - 1) * std::max(0, std::abs(d) - 1); };
+    std::int64_t voters = 0;
+    for (int x = -last; x <= last; ++x) {
+      for (int y = -last; y <= last; ++y) {
+        for (int z = -last; z <= last; ++z) voters += gap2(x) + gap2(y) + gap2(z) < reach * reach ? 1 : 0;
+      }
+    }
+    most += 2 * voters;
+  }
+  return most;
+}
+
 VotedMap::VotedMap(PointTiles::Limits limits, std::span<const voting::VotingParameters> scales)
-    : points_(with_reach(limits, scales)) {
+    : points_(with_reach(limits, scales)), votes_of_a_point_(most_votes_lost_with_a_point(scales)) {
   for (const voting::VotingParameters& scale : scales) fields_.emplace_back(scale);
 }
 
@@ -118,7 +134,7 @@ std::int32_t VotedMap::revision(TileKey key) const {
   for (const voting::VotingField& field : fields_) total += field.num_votes(key);
   for (int i = 0; i < 9; ++i) {  // removed points take votes with them: the revision must grow nevertheless
     const PointTile* const around = points_.find({key.x + i % 3 - 1, key.y + i / 3 - 1});
-    if (around != nullptr) total += kVotesOfAPoint * around->removals[static_cast<std::size_t>(8 - i)];
+    if (around != nullptr) total += votes_of_a_point_ * around->removals[static_cast<std::size_t>(8 - i)];
   }
   return static_cast<std::int32_t>(std::min<std::int64_t>(total, std::numeric_limits<std::int32_t>::max()));
 }

@@ -14,6 +14,11 @@
 
 namespace curbstone::tensor_voting::worker {
 
+/// The most by which the number of points and votes of a tile falls with one point: the point, the votes that it has
+/// received and those that it has given, in each scale, if every voxel within reach of its own had a voter. (Where
+/// every point votes, there may be more than one in 5 cm, and this is an estimate.)
+[[nodiscard]] std::int64_t most_votes_lost_with_a_point(std::span<const voting::VotingParameters> scales);
+
 /// The received map points, and the votes on the tiles that matter to this worker. When the set of these tiles changes,
 /// new tiles are added piece by piece, nearest first, so that a worker that takes over a large map keeps receiving and
 /// publishing. Exact sums make the final result independent of this order.
@@ -39,9 +44,9 @@ class VotedMap {
   [[nodiscard]] bool is_current(TileKey key) const;
   /// Whether the tile sleeps in all fields.
   [[nodiscard]] bool is_asleep(TileKey key) const;
-  /// The number of the tile's points and of the votes that they have received, plus enough for each removed point of
-  /// the tile and its neighbours; 0 without a tile. It grows with every change and depends on the received records
-  /// alone.
+  /// The number of the tile's points and of the votes that they have received, plus the most that was lost with each
+  /// removed point of the tile and its neighbours; 0 without a tile. It grows with every change, up to 2^31, and
+  /// depends on the received records alone.
   [[nodiscard]] std::int32_t revision(TileKey key) const;
   /// Tiles whose revision or is_current() may have changed since the last call, in order of their keys.
   [[nodiscard]] std::vector<TileKey> take_changed();
@@ -57,6 +62,7 @@ class VotedMap {
   std::size_t take_out(TileKey key);
 
   PointTiles points_;
+  std::int64_t votes_of_a_point_;            // at most
   std::vector<voting::VotingField> fields_;  // one for each scale, all with the same tiles and points
   std::deque<Move> moves_;
   std::set<TileKey> changed_;

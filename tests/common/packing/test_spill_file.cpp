@@ -83,6 +83,55 @@ TEST(SpillFile, SaysThatItCannotWriteAndKeepsThemInMemory) {
   EXPECT_THAT(file.fault(), testing::HasSubstr("/nowhere/at/all"));
 }
 
+/// Whether nothing waits in memory any more.
+bool is_on_the_disk_soon(const SpillFile& file) {
+  for (int i = 0; i < 3000 && file.bytes_in_memory() > 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  return file.bytes_in_memory() == 0;
+}
+
+TEST(SpillFile, TakesAFolderThatAppearsLater) {
+  const test::TemporaryFolder folder;
+  const std::string later = folder / "disk";
+  SpillFile file(later, 0);
+  const SpillFile::Values away = file.put(values_of(1000, 1));
+  file.flush();
+  EXPECT_THAT(file.fault(), testing::HasSubstr("No such file"));
+  EXPECT_FALSE(file.takes());
+  std::filesystem::create_directory(later);
+  EXPECT_TRUE(is_on_the_disk_soon(file));
+  EXPECT_EQ(file.fault(), "");
+  EXPECT_TRUE(file.takes());
+  EXPECT_TRUE(away.is_in_file());
+  EXPECT_EQ(away.read(), values_of(1000, 1));
+}
+
+TEST(SpillFile, IsInAFaultWithoutItsFolderThoughNothingWaits) {
+  SpillFile file("/nowhere/at/all");
+  (void)file.put(values_of(1000, 1));
+  file.flush();
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_THAT(file.fault(), testing::HasSubstr("/nowhere/at/all"));
+  EXPECT_FALSE(file.takes());
+}
+
+TEST(SpillFile, BeginsAnotherFileAfterTheDiskOfTheFirstIsGone) {
+  const test::TemporaryFolder folder;
+  SpillFile file(folder.path().string(), 0);
+  const SpillFile::Values before = file.put(values_of(1000, 1));
+  file.flush();
+  test::make_spill_files_fail();
+  const SpillFile::Values after = file.put(values_of(1000, 2));
+  file.flush();
+  EXPECT_THAT(file.fault(), testing::HasSubstr(folder.path().string()));
+  EXPECT_FALSE(file.takes());
+  EXPECT_EQ(after.read(), values_of(1000, 2));
+  EXPECT_TRUE(is_on_the_disk_soon(file));
+  EXPECT_EQ(file.fault(), "");
+  EXPECT_EQ(after.read(), values_of(1000, 2));
+  EXPECT_THROW((void)before.read(), std::runtime_error) << "the disk has it no more";
+}
+
 TEST(SpillFile, LeavesTheLastOfTheDiskToOthers) {
   const test::TemporaryFolder folder;
   SpillFile file(folder.path().string(), std::numeric_limits<std::uint64_t>::max() / 2);

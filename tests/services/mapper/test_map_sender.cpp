@@ -8,7 +8,9 @@
 #include <curbstone/tile_index_t.hpp>
 
 #include "common/bus/local_bus.hpp"
+#include "tests/damaged_spill_files.hpp"
 #include "tests/stamps.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace curbstone::mapper {
 namespace {
@@ -85,6 +87,30 @@ TEST_F(MapSenderTest, ALargeTileGoesOutInPartsAndLetsOthersInBetween) {
     }
   }
   EXPECT_EQ(first, (std::vector{0, 3000, 6000, 9000}));
+}
+
+/// What the disk does not return is tried again, ever less often.
+TEST_F(MapSenderTest, SendsLaterWhatCouldNotBeRead) {
+  const test::TemporaryFolder folder;
+  config::DenseConfig config;
+  config.asleep_here = 0;
+  const auto far = std::make_shared<SpillFile>(folder.path().string(), 0);
+  map = dense_map::DenseMap(config, far);
+  fill(map, {0, 0}, 100);
+  far->flush();
+  test::flip_a_bit_of_each_spilled_page();
+  sender.queue_tiles({{0, 0}});
+  EXPECT_TRUE(sent_at_once().empty());
+  EXPECT_EQ(far->unreadable(), 1);
+  for (int i = 0; i < 500; ++i) EXPECT_TRUE(sent_at_once().empty());
+  EXPECT_EQ(far->failed_reads(), 4) << "at once, after 1, 2 and 4 s";
+  test::flip_a_bit_of_each_spilled_page();
+  for (int i = 0; i < 400 && sent.empty(); ++i) (void)sent_at_once();
+  ASSERT_EQ(sent.size(), 1U);
+  EXPECT_EQ(sent[0].num_points, 100);
+  EXPECT_EQ(far->unreadable(), 0);
+  EXPECT_EQ(far->read_fault(), "");
+  for (int i = 0; i < 400; ++i) EXPECT_TRUE(sent_at_once().empty());
 }
 
 /// A replay looks each quarter of a second: what has been mapped must not wait longer and longer.

@@ -164,6 +164,7 @@ TEST_F(MapperNodeNewDrive, IsAnotherMapInAFrameOfItsOwnAndTheEarlierOneStays) {
   EXPECT_THAT(report.faults, Contains(HasSubstr("a new map begins: the vehicle was lost")));
   node_->finish();
   bus_->dispatch();
+  EXPECT_EQ(node_->report().counters["dense.points"], node_->mapper().dense().size()) << "of this map alone";
 
   EXPECT_GT(announced_[epoch_before_], 0);
   EXPECT_LE(announced_[epoch_before_], kSeen) << "no guess is announced as a pose of the drive";

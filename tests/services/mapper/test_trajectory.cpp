@@ -70,6 +70,26 @@ TEST_F(TrajectoryTest, OfAVehicleThatHasStoodForLongEndsWithWhatOdometrySays) {
   EXPECT_GT(points.back().utime, points[19].utime);
 }
 
+TEST_F(TrajectoryTest, RolledBackStillKnowsWhatOdometrySaidUntilThen) {
+  drive(40, 1);
+  const std::int64_t good_until = test::utime(time_);
+  drive(20, 1);
+  trajectory_.roll_back(good_until);
+  auto points = trajectory_.points(atlas_);
+  ASSERT_EQ(points.size(), 40U);
+  for (const TrajectoryPoint& point : points) expect_odometry(point);
+  drive(20, 1);
+  points = trajectory_.points(atlas_);
+  for (const TrajectoryPoint& point : points) expect_odometry(point);
+  const Pose T_odom_base = kMapOdom.inverse() * test::pose(x_ + 2, 0, 0, 0, 0, 0);
+  EXPECT_EQ(trajectory_.last_agreement(test::pose(x_ + 2, 0, 0, 0, 0, 0), test::utime(time_ + 1), T_odom_base, atlas_),
+            std::nullopt)
+      << "the last pose agrees";
+  EXPECT_EQ(trajectory_.last_agreement(test::pose(x_, 30, 0, 0, 0, 0), test::utime(time_ + 1), T_odom_base, atlas_),
+            std::nullopt)
+      << "none agrees";
+}
+
 TEST_F(TrajectoryTest, HasNoPosesBeforeTheFirst) {
   EXPECT_TRUE(trajectory_.points(atlas_).empty());
 }

@@ -161,5 +161,32 @@ TEST_F(SessionTest, AFolderThatCannotBeMadeIsOneClearError) {
   }
 }
 
+/// As by an operator who makes room, or where the disk of the logs is pulled out.
+TEST_F(SessionTest, ThatIsDeletedMeanwhileIsRecordedAgainAndSaysSo) {
+  RecorderNode recorder(config_, bus_, kSessionStart);
+  const auto record = [&](std::int64_t second) {
+    bus_.publish("IMU", imu_t{});
+    bus_.dispatch();
+    recorder.tick(kSessionStart + second * 1'000'000);
+  };
+  record(1);
+  EXPECT_THAT(recorder.report().faults, ::testing::IsEmpty());
+  fs::remove_all(config_.folder);
+  record(2);
+  EXPECT_THAT(recorder.report().faults, ElementsAre(HasSubstr("was deleted while it was written")));
+  EXPECT_EQ(recorder.report().counters["lost.unwritten"], 1);
+  EXPECT_EQ(recorder.report().counters["lost.deleted"], 1);
+  record(3);
+  record(4);
+  EXPECT_THAT(recorder.report().faults, ElementsAre(HasSubstr("with 2 messages"))) << "for a minute";
+  record(70);
+  EXPECT_THAT(recorder.report().faults, ::testing::IsEmpty());
+  recorder.finish();
+  int logs = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(config_.folder))
+    logs += entry.path().extension() == ".lcmlog" ? 1 : 0;
+  EXPECT_EQ(logs, 1);
+}
+
 }  // namespace
 }  // namespace curbstone::recorder

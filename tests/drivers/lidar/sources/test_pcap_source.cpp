@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <fstream>
+#include <iterator>
 #include <random>
 
 #include "drivers/lidar/sources/udp_frame.hpp"
@@ -64,6 +66,145 @@ TEST(PcapSource, ReadsEachLinkTypeWithTheSender) {
     EXPECT_EQ(packet->port, 6699);
     EXPECT_EQ(to_text(packet->sender), "192.168.1.201");
     EXPECT_EQ(Bytes(packet->bytes.begin(), packet->bytes.end()), (Bytes{7, 8}));
+  }
+}
+
+/// A pcapng file written block by block.
+class Blocks {
+ public:
+  explicit Blocks(bool big_endian = false) : big_endian_(big_endian) {
+    block(0x0A0D0D0A, words({0x1A2B3C4D, 0x00010000, 0xFFFFFFFF, 0xFFFFFFFF}));
+  }
+  void interface(std::uint32_t link, const Bytes& options = {}) {
+    const Bytes type = big_endian_ ? words({link << 16}) : words({link});
+    block(1, type + words({0}) + options);
+  }
+  void packet(std::uint32_t interface, std::uint64_t stamp, const Bytes& f) {
+    const auto size = static_cast<std::uint32_t>(f.size());
+    block(
+        6,
+        words({interface, static_cast<std::uint32_t>(stamp >> 32), static_cast<std::uint32_t>(stamp), size, size}) + f);
+  }
+  void block(std::uint32_t type, Bytes body) {
+    body.resize((body.size() + 3) / 4 * 4);
+    const auto length = static_cast<std::uint32_t>(body.size() + 12);
+    bytes_ = bytes_ + words({type, length}) + body + words({length});
+  }
+  [[nodiscard]] Bytes words(std::initializer_list<std::uint32_t> values) const {
+    Bytes bytes;
+    for (const std::uint32_t value : values) {
+      for (int i = 0; i < 4; ++i)
+        bytes.push_back(static_cast<std::uint8_t>(value >> (big_endian_ ? 24 - 8 * i : 8 * i)));
+    }
+    return bytes;
+  }
+  [[nodiscard]] std::string file(std::size_t cut = 0) const {
+    std::ofstream out(folder_ / "mixed.pcapng", std::ios::binary);
+    out.write(reinterpret_cast<const char*>(bytes_.data()), static_cast<std::streamsize>(bytes_.size() - cut));
+    return folder_ / "mixed.pcapng";
+  }
+
+ private:
+  bool big_endian_;
+  Bytes bytes_;
+  test::TemporaryFolder folder_;
+};
+
+TEST(PcapSource, ReadsEachFrameOfAPcapngByTheLinkTypeOfItsOwnInterface) {
+  Bytes cooked2(20, 0xAB);
+  cooked2[0] = 0x08;
+  cooked2[1] = 0x00;
+  for (const bool big_endian : {false, true}) {
+    Blocks capture(big_endian);
+    capture.interface(kEthernet);
+    capture.interface(kCooked2);
+    capture.interface(kLoopback);
+    capture.interface(227);  // CAN: no UDP on it
+    capture.interface(kRawIp);
+    capture.packet(1, 100'000'001, cooked2 + ip_packet({1}, 6699));
+    capture.packet(0, 100'000'002, frame({2}, 6699));
+    capture.packet(3, 100'000'003, Bytes(16, 0));
+    capture.block(5, capture.words({0, 0, 0}));  // interface statistics
+    capture.packet(2, 100'000'004, Bytes{2, 0, 0, 0} + ip_packet({3}, 6699));
+    capture.packet(4, 100'000'005, ip_packet({4}, 6699));
+    PcapSource source(capture.file());
+    for (const int expected : {1, 2, 3, 4}) {
+      const auto packet = source.next();
+      ASSERT_TRUE(packet) << expected;
+      EXPECT_EQ(packet->port, 6699);
+      EXPECT_EQ(to_text(packet->sender), "192.168.1.200");
+      EXPECT_EQ(packet->received, 100'000'000 + expected + (expected > 2 ? 1 : 0));
+      EXPECT_EQ(Bytes(packet->bytes.begin(), packet->bytes.end()), Bytes{static_cast<std::uint8_t>(expected)});
+    }
+    EXPECT_FALSE(source.next());
+    EXPECT_EQ(source.skipped(), (PcapSource::Skipped{.other_link = 1}));
+  }
+}
+
+TEST(PcapSource, ReadsThePcapngUnitsOfTimeOfEachInterface) {
+  Blocks capture;
+  capture.interface(kEthernet, {9, 0, 1, 0, 9, 0, 0, 0, 0, 0, 0, 0});                    // ns
+  capture.interface(kEthernet, {9, 0, 1, 0, 0x80 + 20, 0, 0, 0});                        // 2^-20 s
+  capture.interface(kEthernet, {14, 0, 8, 0, 60, 0, 0, 0, 0, 0, 0, 0});                  // 60 s later
+  capture.interface(kEthernet, {9, 0, 1, 0, 3, 0, 0, 0, 2, 0, 3, 0, 'e', 't', 'h', 0});  // ms
+  capture.packet(0, 100'000'000'123'456'789, frame({1}, 1));
+  capture.packet(1, (std::uint64_t{100} << 20) + (1 << 19), frame({1}, 1));
+  capture.packet(2, 100'000'042, frame({1}, 1));
+  capture.packet(3, 100'042, frame({1}, 1));
+  PcapSource source(capture.file());
+  for (const std::int64_t expected :
+       std::vector<std::int64_t>{100'000'000'123'456, 100'500'000, 160'000'042, 100'042'000})
+    EXPECT_EQ(source.next()->received, expected);
+}
+
+TEST(PcapSource, SaysWhatIsWrongWithAPcapng) {
+  const auto first_error_of = [](const Blocks& capture, std::size_t cut = 0) -> std::string {
+    try {
+      PcapSource source(capture.file(cut));
+      while (source.next()) {
+      }
+      return {};
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+  };
+  Blocks capture;
+  capture.interface(227);
+  EXPECT_THAT(first_error_of(capture), HasSubstr("link type"));
+  capture.interface(kEthernet);
+  capture.packet(1, 100'000'000, frame({1}, 1));
+  EXPECT_EQ(first_error_of(capture), "");
+  EXPECT_THAT(first_error_of(capture, 2), HasSubstr("truncated"));
+  EXPECT_THAT(first_error_of(capture, 50), HasSubstr("truncated"));
+  capture.packet(7, 100'000'000, frame({1}, 1));
+  EXPECT_THAT(first_error_of(capture), HasSubstr("damaged: a packet of interface 7"));
+  Blocks long_packet;
+  long_packet.interface(kEthernet);
+  long_packet.block(6, long_packet.words({0, 0, 0, 100, 100, 0}));
+  EXPECT_THAT(first_error_of(long_packet), HasSubstr("damaged: a packet longer than its block"));
+}
+
+/// For the sanitizers.
+TEST(PcapSource, LivesWithAnyPcapng) {
+  Blocks whole;
+  whole.interface(kEthernet, {9, 0, 1, 0, 9, 0, 0, 0});
+  whole.interface(kCooked2);
+  for (int i = 0; i < 4; ++i) whole.packet(0, 100'000'000, frame({1, 2, 3}, 6699));
+  const std::string file = whole.file();
+  std::ifstream in(file, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  std::mt19937 random(5);
+  for (int i = 0; i < 300; ++i) {
+    std::string damaged = bytes;
+    for (auto k = random() % 4 + 1; k > 0; --k)
+      damaged[8 + random() % (damaged.size() - 8)] = static_cast<char>(random());
+    std::ofstream(file, std::ios::binary) << damaged;
+    try {
+      PcapSource source(file);
+      for (int n = 0; n < 100 && source.next(); ++n) {
+      }
+    } catch (const std::runtime_error&) {
+    }
   }
 }
 

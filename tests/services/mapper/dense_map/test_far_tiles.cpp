@@ -238,6 +238,26 @@ TEST_F(FarTiles, ThatTheDiskHasStayWhenItTakesNoMore) {
   umount2(disk.c_str(), MNT_DETACH);
 }
 
+/// Listeners have its records: others in their place would contradict them.
+TEST_F(FarTiles, AnEvictedOneIsNotBegunAgainUntilTheMapHasMoved) {
+  config::DenseConfig config;
+  config.max_points = 100'000;
+  DenseMap map = drive(700, std::make_shared<SpillFile>(), config);
+  ASSERT_TRUE(map.evicted().contains({0, 0}));
+  std::int64_t late = kStart + 5000 * kPeriod;
+  const auto look = [&](int scans) {
+    for (int i = 0; i < scans; ++i) (void)map.insert(patch(0.5, 0, 0.01), Pose::Identity(), late += kPeriod);
+  };
+  look(5);
+  EXPECT_EQ(map.tile({0, 0}), nullptr);
+  map.move({});
+  (void)map.finish();
+  EXPECT_TRUE(map.evicted().empty());
+  look(5);
+  ASSERT_NE(map.tile({0, 0}), nullptr);
+  EXPECT_GT(map.tile({0, 0})->num_points(), 50U);
+}
+
 TEST_F(FarTiles, MoveAsIfTheyWereInMemory) {
   DenseMap map = drive(1200, file_);
   const Content before = content_of(map);

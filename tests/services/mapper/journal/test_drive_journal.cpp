@@ -12,6 +12,7 @@
 #include <thread>
 #include <utility>
 
+#include "tests/damaged_spill_files.hpp"
 #include "tests/services/mapper/journal/drive_journal_test.hpp"
 
 namespace curbstone::mapper::journal {
@@ -247,6 +248,73 @@ TEST_F(DriveJournalTest, OfAMapperWithOtherSettingsIsRefused) {
   settle();
   EXPECT_THROW((void)read_journal(file_, kMaxBytes, "other settings"), JournalError);
   EXPECT_THROW((void)read_journal(file_, 1000, "settings"), JournalError) << "larger than allowed";
+}
+
+TEST_F(DriveJournalTest, AdoptedIsKeptYoungUntilTheNextOneHasAsMuch) {
+  start_epoch(7, {});
+  drive(1500, 6);
+  settle();
+  const std::string other = folder_ / "copy.journal";
+  std::filesystem::copy_file(file_, other);
+  const auto make_old = [&] {
+    std::filesystem::last_write_time(other, std::filesystem::file_time_type::clock::now() - std::chrono::seconds(15));
+  };
+  DriveJournal successor(other, kMaxBytes, "settings");
+  successor.adopt();
+  make_old();
+  const auto wait_until_young = [&](const std::function<void()>& step) {
+    for (int i = 0; i < 2000 && *age_of_journal(other) > 5; ++i) {
+      step();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return *age_of_journal(other) < 5;
+  };
+  EXPECT_TRUE(wait_until_young([&] { successor.wait(utime_); })) << "before the first scan";
+  successor.start_epoch(8, read()->poses);
+  make_old();
+  successor.write(map_, atlas_, {}, {}, utime_);  // a part of it
+  ASSERT_EQ(read_journal(other, kMaxBytes, "settings")->epoch, 7);
+  EXPECT_TRUE(wait_until_young([] {})) << "while the next one is written beside it";
+  EXPECT_EQ(read_journal(other, kMaxBytes, "settings")->epoch, 7);
+}
+
+TEST_F(DriveJournalTest, HasWhatTheDiskOfFarTilesReturnsLater) {
+  config::DenseConfig config;
+  config.asleep_here = 0;
+  const auto far = std::make_shared<SpillFile>(folder_.path().string(), 0);
+  map_ = dense_map::DenseMap(config, far);
+  drive(700, 6);
+  far->flush();
+  test::flip_a_bit_of_each_spilled_page();
+  start_epoch(7, {});
+  revolve(6);
+  changed_.clear();
+  wait_until([this] { return age_of_journal(file_) && read() && !read()->poses.empty(); });
+  EXPECT_LT(read()->tiles.size(), tiles().size()) << "what is in memory";
+  EXPECT_GT(far->unreadable(), 0);
+  test::flip_a_bit_of_each_spilled_page();
+  utime_ += 2'000'000;
+  settle();
+  EXPECT_EQ(far->unreadable(), 0);
+  EXPECT_EQ(far->read_fault(), "");
+  EXPECT_EQ(read()->tiles.size(), tiles().size());
+}
+
+TEST_F(DriveJournalTest, ThatIsDeletedMeanwhileIsBegunAnew) {
+  start_epoch(7, {});
+  drive(20);
+  settle();
+  std::filesystem::remove_all(folder_ / "state");
+  for (int i = 0; i < 3000 && journal_.fault().empty(); ++i) {
+    drive(1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_THAT(journal_.fault(), ::testing::HasSubstr("No such file"));
+  EXPECT_TRUE(journal_.needs_restart(utime_ + 3'000'000));
+  start_epoch(7, {});
+  drive(5);
+  settle();
+  EXPECT_THAT(journal_.fault(), IsEmpty());
 }
 
 TEST_F(DriveJournalTest, IsGoneWhenTheDriveIsOver) {

@@ -44,6 +44,40 @@ TEST_F(MapStoreTest, GivesBackWhatWasWritten) {
   EXPECT_EQ(map.integrity(), "ok");
 }
 
+TEST_F(MapStoreTest, ThatIsDeletedMeanwhileIsWrittenAgainWithAllThatItHad) {
+  const std::string file = folder_ / "maps" / "map.db";
+  MapStore store(file);
+  store.write({.epoch = 3, .tiles = {tile(1, -2)}, .trajectory = {pose(50'000)}});
+  fs::remove(file);
+  store.write({.epoch = 3, .tiles = {tile(2, 2)}, .trajectory = {pose(100'000)}});
+  EXPECT_EQ(MapReader(file).tiles().size(), 2U);
+  fs::remove_all(folder_ / "maps");
+  store.write({.epoch = 3, .tiles = {tile(3, 3)}, .trajectory = {pose(150'000)}});
+  EXPECT_EQ(store.num_restored(), 2);
+  EXPECT_THROW(MapStore{file}, MapStoreError) << "it is locked again";
+  {
+    const MapReader map(file);
+    EXPECT_THAT(map.tiles(), ::testing::ElementsAre(tile(1, -2), tile(2, 2), tile(3, 3)));
+    EXPECT_EQ(map.trajectory().size(), 3U);
+    EXPECT_EQ(map.integrity(), "ok");
+  }
+  store.close_canonical();
+  EXPECT_EQ(MapReader(file).tiles().size(), 3U);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "maps"), {}), 1) << "nothing stays beside it";
+}
+
+TEST_F(MapStoreTest, DoesNotTouchWhatWasPutInItsPlace) {
+  MapStore store(path_);
+  store.write({.epoch = 3, .tiles = {tile(1, -2)}, .trajectory = {pose(50'000)}});
+  fs::remove(path_);
+  std::ofstream(path_) << "another";
+  EXPECT_THROW(store.write({.epoch = 3, .tiles = {tile(2, 2)}}), MapStoreError);
+  EXPECT_EQ(fs::file_size(path_), 7U);
+  fs::remove(path_);
+  store.write({.epoch = 3, .tiles = {tile(2, 2)}});
+  EXPECT_EQ(MapReader(path_).tiles().size(), 2U);
+}
+
 TEST_F(MapStoreTest, MakesTheFolderOfTheFirstMap) {
   const MapStore store(folder_ / "site" / "today" / "map.db");
   EXPECT_TRUE(fs::exists(folder_ / "site" / "today" / "map.db"));

@@ -170,6 +170,40 @@ TEST(TensorVotingNode, KeepsToItsBandwidthAndToFiveRevisionsASecond) {
   for (const auto& [key, count] : revisions) EXPECT_LE(count, 15) << "in 3 s";
 }
 
+TEST(TensorVotingNode, ThatIsFullSaysSoAsksForNothingAndTakesTheRestOnceThereIsRoom) {
+  TensorVotingConfig config;
+  config.keep_radius = 50;
+  config.max_points = 12'000;  // of 20,000
+  World world(street(), 0, 1, config);
+  TensorVotingNode& node = world.start("tensor_voting:1");
+  int asked = 0;
+  world.bus.subscribe<tile_request_t>("TILE_REQUEST", [&](const tile_request_t& m) {
+    if (m.channel == "MAP_POINTS") asked += m.num_tiles;
+  });
+  const auto says_so = [&] {
+    return testing::Value(node.report().faults, testing::Contains(testing::HasSubstr("max_points reached: ")));
+  };
+  world.run(1, 0.2);
+  world.run(3);
+  EXPECT_TRUE(says_so());
+  EXPECT_GE(node.report().counters["dropped.full"], 8000) << "records, not messages";
+  asked = 0;
+  world.run(5);
+  EXPECT_EQ(asked, 0) << "it would not fit";
+  const auto drive_to = [&](double x) {
+    map_pose_t pose{};
+    pose.epoch = 1;
+    pose.map_base_position[0] = x;
+    world.bus.publish("MAP_POSE", pose);
+    world.run(3);
+  };
+  drive_to(200);
+  EXPECT_FALSE(says_so());
+  drive_to(56);
+  EXPECT_FALSE(says_so()) << "the street's end fits";
+  EXPECT_GT(asked, 0);
+}
+
 TEST(TensorVotingNode, LetsGoOfTilesFarBehindAndTakesThemUpAgain) {
   TensorVotingConfig config;
   config.keep_radius = 50;

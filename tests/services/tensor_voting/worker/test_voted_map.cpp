@@ -163,6 +163,38 @@ TEST(VotedMapTest, WhatIsTakenOutLeavesTheVotesOfTheRest) {
   expect_equal(map, complete(records));  // for whoever comes late and gets all of it at once
 }
 
+/// No surface has so many voters about a point: foliage may.
+TEST(VotedMapTest, TheRevisionGrowsThoughAPointIsTakenOutOfAFilledSpace) {
+  for (const voting::VotingParameters& scale : kScales) {
+    const std::vector<voting::VotingParameters> scales = {scale};
+    const int step = scales.back().voxel < 0.1 ? 25 : 50;  // in kPositionStep
+    const int reach = scales.back().voxel < 0.1 ? 12 : 10;
+    const auto at = [](int i) { return static_cast<std::int16_t>(750 + i); };
+    test_clouds::Tiles tiles;
+    std::vector<TilePoint>& points = tiles[{0, 0}];
+    for (int x = -reach; x <= reach; ++x) {
+      for (int y = -reach; y <= reach; ++y) {
+        for (int z = -reach; z <= reach; ++z)
+          points.push_back({at(x * step), at(y * step), static_cast<std::int16_t>(z * step), 1});
+      }
+    }
+    const std::size_t count = points.size();
+    const TilePoint middle = points[count / 2];
+    ASSERT_EQ(middle.x, 750);
+    points.push_back(removal_of(middle));
+    VotedMap map({}, scales);
+    (void)map.take(part(tiles, {0, 0}, 0, count), true);
+    const std::int32_t before = map.revision({0, 0});
+    std::int64_t votes = -1;
+    for (const voting::VotingField& field : map.fields()) votes -= field.num_votes({0, 0});
+    (void)map.take(part(tiles, {0, 0}, count, count + 1), true);
+    for (const voting::VotingField& field : map.fields()) votes += field.num_votes({0, 0});
+    EXPECT_LE(-votes, most_votes_lost_with_a_point(scales)) << "with so much the revision must make up for it";
+    EXPECT_GT(-votes, most_votes_lost_with_a_point(scales) / 5) << "and with no more than needed";
+    EXPECT_GT(map.revision({0, 0}), before);
+  }
+}
+
 TEST(VotedMapTest, ATileThatWaitsForItsTurnLosesPointsToo) {
   const TileKey key{0, 0};
   const test_clouds::Tiles records = with_removals(street(), key);
