@@ -16,6 +16,55 @@ std::string axis_along(const Eigen::Vector3d& direction) {
   return fmt::format("{}{}", direction[axis] < 0 ? '-' : '+', "xyz"[axis]);
 }
 
+/// `verdict`: one of mounting.verdicts().
+std::string in_words(mounting::MountingWatch::Verdict verdict, const mounting::MountingWatch& mounting,
+                     const VehicleConfig& vehicle) {
+  using Verdict = mounting::MountingWatch::Verdict;
+  const auto declared_up = [&] { return axis_along(vehicle.T_base_imu().linear().transpose().col(2)); };
+  switch (verdict) {
+    case Verdict::kWrongUp:
+      return fmt::format(
+          "IMU: by gravity its {} axis points up, by vehicle.imu its {}, and it is not used: correct its roll, pitch",
+          axis_along(*mounting.wrong_up()), declared_up());
+    case Verdict::kWrongGravity:
+      return fmt::format(
+          "IMU: its mean acceleration is {:.2f} m/s^2, which is not gravity, and it is not used: another unit?",
+          *mounting.wrong_gravity());
+    case Verdict::kWheelsCountBackwards:
+      return "WHEELS: both count backwards: correct invert_left and invert_right";
+    case Verdict::kTurnsOpposite:
+      return "WHEELS and gyro turn opposite ways: left and right swapped? Else the gyro's sign is wrong";
+    case Verdict::kMirrored: {
+      const Eigen::Vector2d ahead = *mounting.mirrored();
+      const bool swapped = std::abs(ahead.y()) > std::abs(ahead.x());
+      return fmt::format(
+          "IMU: its axes are not right-handed: {}, and it is not used. No vehicle.imu is so: correct what the device "
+          "sends",
+          swapped ? "x and y are swapped" : fmt::format("{} has the wrong sign", ahead.x() > 0 ? 'y' : 'x'));
+    }
+    case Verdict::kWrongGyroUp:
+      return fmt::format(
+          "IMU: its gyro does not turn as the wheels do, and is not used: its {} axis points up, by gravity the {}",
+          axis_along(*mounting.wrong_gyro_up()), declared_up());
+    case Verdict::kGyroIsWrong:
+      return "IMU: its gyro does not turn as the wheels do, and is not used: in deg/s, or another axis up?";
+    case Verdict::kWrongTurnScale: {
+      const double scale = *mounting.wrong_turn_scale();
+      return fmt::format(
+          "WHEELS turn {:.2f} times as far as the gyro: is vehicle.track_width {:.2f} m, or the gyro's scale wrong?",
+          scale, scale * vehicle.track_width);
+    }
+    case Verdict::kSetsOffTheOtherWay:
+      return "IMU: by it the vehicle sets off the other way than by the wheels, and is believed to drive forwards: add "
+             "180 deg to the yaw of vehicle.imu, or do both wheels count backwards? The first bend will show it";
+    case Verdict::kMissingYaw:
+      break;
+  }
+  return fmt::format("IMU: its forward is not the wheels'{}: add about {:.0f} deg to the yaw of vehicle.imu",
+                     mounting.imu_turn() != 0.0 ? ", and it is used as if turned" : "",
+                     *mounting.missing_yaw() * 180 / std::numbers::pi);
+}
+
 }  // namespace
 
 void describe_wheels(const wheel_faults::WheelWatch& watch, std::vector<std::string>& faults) {
@@ -82,48 +131,8 @@ void describe_leap(const filter::Filter& filter, std::vector<std::string>& fault
 
 void describe_mounting(const mounting::MountingWatch& mounting, const VehicleConfig& vehicle,
                        std::vector<std::string>& faults) {
-  if (const auto up = mounting.wrong_up()) {
-    faults.push_back(fmt::format(
-        "IMU: by gravity its {} axis points up, by vehicle.imu its {}, and it is not used: correct its roll, pitch",
-        axis_along(*up), axis_along(vehicle.T_base_imu().linear().transpose().col(2))));
-  }
-  if (const auto force = mounting.wrong_gravity()) {
-    faults.push_back(fmt::format(
-        "IMU: its mean acceleration is {:.2f} m/s^2, which is not gravity, and it is not used: another unit?", *force));
-  }
-  if (mounting.wheels_count_backwards()) {
-    faults.emplace_back("WHEELS: both count backwards: correct invert_left and invert_right");
-    return;
-  }
-  if (mounting.turns_opposite())
-    faults.emplace_back("WHEELS and gyro turn opposite ways: left and right swapped? Else the gyro's sign is wrong");
-  if (const auto ahead = mounting.mirrored()) {
-    const bool swapped = std::abs(ahead->y()) > std::abs(ahead->x());
-    faults.push_back(fmt::format(
-        "IMU: its axes are not right-handed: {}, and it is not used. No vehicle.imu is so: correct what the device "
-        "sends",
-        swapped ? "x and y are swapped" : fmt::format("{} has the wrong sign", ahead->x() > 0 ? 'y' : 'x')));
-  }
-  if (const auto up = mounting.wrong_gyro_up()) {
-    faults.push_back(fmt::format(
-        "IMU: its gyro does not turn as the wheels do, and is not used: its {} axis points up, by gravity the {}",
-        axis_along(*up), axis_along(vehicle.T_base_imu().linear().transpose().col(2))));
-  } else if (mounting.gyro_is_wrong()) {
-    faults.emplace_back("IMU: its gyro does not turn as the wheels do, and is not used: in deg/s, or another axis up?");
-  } else if (const auto scale = mounting.wrong_turn_scale()) {
-    faults.push_back(fmt::format(
-        "WHEELS turn {:.2f} times as far as the gyro: is vehicle.track_width {:.2f} m, or the gyro's scale wrong?",
-        *scale, *scale * vehicle.track_width));
-  }
-  if (mounting.is_undecided()) {
-    faults.emplace_back(
-        "IMU: by it the vehicle sets off the other way than by the wheels, and is believed to drive forwards: add 180 "
-        "deg to the yaw of vehicle.imu, or do both wheels count backwards? The first bend will show it");
-  } else if (const auto yaw = mounting.missing_yaw()) {
-    faults.push_back(
-        fmt::format("IMU: its forward is not the wheels'{}: add about {:.0f} deg to the yaw of vehicle.imu",
-                    mounting.imu_turn() != 0.0 ? ", and it is used as if turned" : "", *yaw * 180 / std::numbers::pi));
-  }
+  for (const mounting::MountingWatch::Verdict verdict : mounting.verdicts())
+    faults.push_back(in_words(verdict, mounting, vehicle));
 }
 
 void describe_imu_outliers(const inputs::ImuOutlierFilter& samples, std::vector<std::string>& faults) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <curbstone/map_pose_t.hpp>
-#include <numbers>
 #include <utility>
 
 #include "common/bus/levels.hpp"
@@ -17,7 +16,6 @@ namespace {
 
 constexpr int kMaxScansPerTick = 5;  // scans processed per call
 constexpr std::int64_t kIndexPeriod = 1'000'000;
-constexpr double kStartOfDrive = 50;               // m from its origin, within which a map may begin again
 constexpr std::int64_t kGyroWindow = 100'000;      // us before the end of a scan in which a gyro must have measured
 constexpr std::int64_t kReportedFor = 60'000'000;  // us of the drive for which an event is reported
 
@@ -38,6 +36,7 @@ MapperNode::MapperNode(const config::MapperConfig& config, Publisher& bus)
       spill_file_(make_spill_file(config)),
       mapper_(std::in_place, config, spill_file_),
       sensor_monitor_(config.vehicle),
+      lidar_at_start_(config.vehicle),
       sender_(bus) {
   if (!config_.folder.empty() && config_.mode != config::MapMode::kLocalise)
     saver_.emplace(config_.folder, config_.save_every);
@@ -45,7 +44,7 @@ MapperNode::MapperNode(const config::MapperConfig& config, Publisher& bus)
   if (config_.mode != config::MapMode::kMap)
     begin_map();
   else
-    yaw_at_start_.emplace(config_.vehicle.T_base_lidar().translation());
+    lidar_at_start_.begin();
 }
 
 void MapperNode::connect(Subscriber& bus) {
@@ -115,7 +114,7 @@ void MapperNode::process(scan::Scan scan) {
   is_pause_ = false;
   if (update->wants_new_drive)
     begin_new_drive("the vehicle was lost and is not to be found in what this drive had mapped");
-  else if (yaw_at_start_)
+  else
     check_lidar(*update);
 }
 
@@ -135,14 +134,14 @@ void MapperNode::monitor_sensors(const MapperUpdate& update) {
   sensor_monitor_.add({update.utime, update.points.get(), update.T_map_base, T_odom_base, is_fully_constrained});
 }
 
-/// Over the first metres of a new map: whether the LiDAR is upside down; its yaw, while odometry has a gyro.
+/// Over the first metres of a new map: begins it again where the LiDAR is not mounted as vehicle.lidar says.
 void MapperNode::check_lidar(const MapperUpdate& update) {
-  if (update.T_map_base.translation().norm() > kStartOfDrive) return yaw_at_start_.reset();
-  if (sensor_monitor_.is_upside_down() && !lidar_turned_over_) return turn_lidar_over();
   const scan::OdometryHistory& odometry = input_.odometry();
-  if (!update.with_odometry || !odometry.with_gyro(update.utime - kGyroWindow, update.utime))
-    return yaw_at_start_->interrupt();
-  if (const auto yaw = yaw_at_start_->add(update.utime, *update.points, odometry.at(update.utime))) turn_lidar(*yaw);
+  const bool has_gyro = update.with_odometry && odometry.with_gyro(update.utime - kGyroWindow, update.utime);
+  const auto why = lidar_at_start_.add({update.utime, update.points.get(), update.T_map_base,
+                                        has_gyro ? std::optional(odometry.at(update.utime)) : std::nullopt,
+                                        sensor_monitor_.is_upside_down()});
+  if (why) begin_with_other_lidar(*why);
 }
 
 void MapperNode::begin_epoch(std::int64_t utime) {
@@ -267,6 +266,7 @@ NodeReport MapperNode::report() const {
   input_.add_counters(report.counters);
   const Counters method = mapper_->counters();
   for (const auto& [name, value] : method.values()) report.counters.add(name, value);
+  for (const auto& [name, value] : lidar_at_start_.counters().values()) report.counters.add(name, value);
   sensor_monitor_.add_counters(report.counters);
   if (saver_) {
     for (const auto& [name, value] : saver_->counters().values()) report.counters.add(name, value);
@@ -292,16 +292,7 @@ NodeReport MapperNode::report() const {
   if (journal_ && !journal_->fault().empty()) report.faults.push_back(journal_->fault());
   if (!why_new_map_.empty() && last_end_ - input_.first_start() < kReportedFor) report.faults.push_back(why_new_map_);
   input_.add_packet_faults(report.faults);
-  if (lidar_turned_over_)
-    report.faults.emplace_back(
-        "LiDAR: it is upside down by what vehicle.lidar says, and is used so: add 3.1416 to its roll there");
-  if (lidar_turned_ != 0) {
-    report.faults.push_back(fmt::format(
-        "LiDAR: by the first metres driven it looks {:.1f} deg to the {} of what vehicle.lidar says, and is used so: "
-        "straighten it, or set its yaw to {:.3f}",
-        std::abs(lidar_turned_) * 180 / std::numbers::pi, lidar_turned_ > 0 ? "left" : "right",
-        std::remainder(config_.vehicle.lidar[5], 2 * std::numbers::pi)));
-  }
+  lidar_at_start_.add_faults(report.faults);
   sensor_monitor_.add_faults(report.faults);
   mapper_->add_faults(report.faults);
   input_.add_odometry_faults(report.faults, epoch_ != 0, last_end_);

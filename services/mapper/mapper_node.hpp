@@ -10,9 +10,9 @@
 #include "services/mapper/config/mapper_config.hpp"
 #include "services/mapper/detection/sensor_monitor.hpp"
 #include "services/mapper/journal/drive_journal.hpp"
+#include "services/mapper/lidar_at_start.hpp"
 #include "services/mapper/map_sender.hpp"
 #include "services/mapper/mapper.hpp"
-#include "services/mapper/mounting/yaw_at_start.hpp"
 #include "services/mapper/scan/scan_synchronizer.hpp"
 #include "services/mapper/storage/map_saver.hpp"
 
@@ -58,8 +58,6 @@ class MapperNode final : public Node {
   /// `why` of a fault that says so.
   void begin_new_drive(const std::string& why);
   void check_lidar(const MapperUpdate& update);
-  void turn_lidar(double yaw);
-  void turn_lidar_over();
   void begin_with_other_lidar(const std::string& why);
   void keep_map();
   void keep_map_at_the_end();
@@ -76,9 +74,7 @@ class MapperNode final : public Node {
   std::shared_ptr<SpillFile> spill_file_;  // tiles and keyframe scans far from the vehicle
   std::optional<Mapper> mapper_;           // always has a value
   detection::SensorMonitor sensor_monitor_;
-  std::optional<mounting::YawAtStart> yaw_at_start_;    // of a new map
-  bool lidar_turned_over_ = false;                      // the roll in vehicle.lidar was corrected by half a turn
-  double lidar_turned_ = 0;                             // rad, by which the yaw in vehicle.lidar was corrected
+  LidarAtStart lidar_at_start_;
   std::int64_t last_end_ = 0;                           // us, of the last scan processed
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();  // m in map, after that scan
   bool is_pause_ = false;                               // a tick has passed since that scan was processed

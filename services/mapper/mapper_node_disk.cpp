@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "common/bus/levels.hpp"
@@ -16,8 +15,6 @@
 
 namespace curbstone::mapper {
 namespace {
-
-constexpr double kLargeYaw = 0.17;  // rad
 
 std::size_t journal_bytes(const config::MapperConfig& config) {
   return static_cast<std::size_t>(config.journal_mb * 1e6);
@@ -107,30 +104,10 @@ void MapperNode::begin_new_drive(const std::string& why) {
   input_.begin_drive(last_end_);
 }
 
-/// The LiDAR looks `yaw` (rad) to the left of what vehicle.lidar says. A large error falsified the de-skew, too, and
-/// with it the measurement: that is repeated.
-void MapperNode::turn_lidar(double yaw) {
-  counters_.add("lidar_turned");
-  lidar_turned_ += yaw;
-  config_.vehicle.lidar[5] += yaw;
-  begin_with_other_lidar("the LiDAR looks aside of what vehicle.lidar says");
-  yaw_at_start_.reset();
-  if (std::abs(yaw) > kLargeYaw)
-    yaw_at_start_.emplace(config_.vehicle.T_base_lidar().translation(), mounting::YawAtStart::kWrongAgain);
-}
-
-/// The LiDAR hangs upside down, and not as vehicle.lidar says.
-void MapperNode::turn_lidar_over() {
-  counters_.add("lidar_turned_over");
-  lidar_turned_over_ = true;
-  config_.vehicle.lidar[3] += std::numbers::pi;
-  begin_with_other_lidar("the LiDAR is upside down by what vehicle.lidar says");
-  yaw_at_start_.emplace(config_.vehicle.T_base_lidar().translation());
-}
-
-/// Begins the map again with another vehicle.lidar. A mapper that continued the drive would not know it, so the journal
-/// is that of another configuration.
+/// Begins the map again with vehicle.lidar corrected. A mapper that continued the drive would not know it, so the
+/// journal is that of another configuration.
 void MapperNode::begin_with_other_lidar(const std::string& why) {
+  config_.vehicle.lidar = lidar_at_start_.lidar();
   if (saver_) saver_->finish();
   begin_new_drive(why);
   sensor_monitor_ = detection::SensorMonitor(config_.vehicle);

@@ -198,6 +198,29 @@ void MountingWatch::check_handedness(double seconds, double motion) {
   mirrored_ = mirrored_ || (mirrored_seconds_ > kMirroredFor && mirrored_motion_ > kMirroredMotion);
 }
 
+std::vector<MountingWatch::Verdict> MountingWatch::verdicts() const {
+  std::vector<Verdict> verdicts;
+  if (wrong_up()) verdicts.push_back(Verdict::kWrongUp);
+  if (wrong_gravity()) verdicts.push_back(Verdict::kWrongGravity);
+  if (wheels_count_backwards()) {
+    verdicts.push_back(Verdict::kWheelsCountBackwards);
+    return verdicts;
+  }
+  if (turns_opposite()) verdicts.push_back(Verdict::kTurnsOpposite);
+  if (mirrored()) verdicts.push_back(Verdict::kMirrored);
+  if (wrong_gyro_up())
+    verdicts.push_back(Verdict::kWrongGyroUp);
+  else if (gyro_is_wrong())
+    verdicts.push_back(Verdict::kGyroIsWrong);
+  else if (wrong_turn_scale())
+    verdicts.push_back(Verdict::kWrongTurnScale);
+  if (is_undecided())
+    verdicts.push_back(Verdict::kSetsOffTheOtherWay);
+  else if (missing_yaw())
+    verdicts.push_back(Verdict::kMissingYaw);
+  return verdicts;
+}
+
 bool MountingWatch::gravity_points_aside() const {
   return gravity_.z() < std::cos(kMaxTilt) * gravity_.norm();
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <complex>
 #include <optional>
+#include <vector>
 
 #include "common/config/vehicle.hpp"
 #include "services/ekf/base/samples.hpp"
@@ -42,12 +43,28 @@ class MountingWatch {
   static constexpr double kMaxStartYaw = 0.15;   ///< rad, by a start: healthy vehicles show less than 0.03
   static constexpr double kBackwards = 2.36;  ///< rad, of missing_yaw(): from here on both wheels may count backwards
 
+  /// A mistake that is found. Its values are told by the functions below.
+  enum class Verdict {
+    kWrongUp,               ///< wrong_up()
+    kWrongGravity,          ///< wrong_gravity()
+    kWheelsCountBackwards,  ///< wheels_count_backwards(): nothing below is said then
+    kTurnsOpposite,         ///< turns_opposite()
+    kMirrored,              ///< mirrored()
+    kWrongGyroUp,           ///< wrong_gyro_up()
+    kGyroIsWrong,           ///< gyro_is_wrong(), by its scale
+    kWrongTurnScale,        ///< wrong_turn_scale(), of a gyro that is not wrong
+    kSetsOffTheOtherWay,    ///< is_undecided()
+    kMissingYaw,            ///< missing_yaw(), decided
+  };
+
   explicit MountingWatch(const VehicleConfig& vehicle);
 
   /// Do not pass samples of a gyro that is stuck.
   void add(const base::ImuSample& sample);
   void add(const base::WheelSample& sample);
 
+  /// All that is wrong now, in the order of Verdict: what is to be told to an operator.
+  [[nodiscard]] std::vector<Verdict> verdicts() const;
   /// Unit vector, imu frame: the axis of the IMU that points up, if it is not the configured one.
   [[nodiscard]] std::optional<Eigen::Vector3d> wrong_up() const;
   /// The same before it is certain: from the first kFirstForce s on. A filter should not start so.

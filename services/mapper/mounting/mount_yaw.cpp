@@ -36,48 +36,53 @@ MountYaw::Result MountYaw::add(const Observation& look) {
   if (look.utime <= utime_ || look.utime - utime_ > kLongestPause) interrupt();
   utime_ = look.utime;
   earlier_.push_back({look.T_odom_base, AzimuthProfile(*look.points, Pose::Identity(), lidar_)});
-  if (earlier_.size() <= kScanOffset) return before_ || shakes_ ? Result::kUncertain : Result::kStable;
+  if (earlier_.size() <= kScanOffset) return as_before();
   Earlier earlier = std::move(earlier_.front());
   earlier_.pop_front();
   const auto turn = turn_since(earlier, look);
   if (!turn) {
     interrupt();
-    return shakes_ ? Result::kUncertain : Result::kStable;
+    return as_before();
   }
-  const bool is_turning = is_turn(*turn);
-  const bool is_still = std::abs(turn->angle) < 0.5 * kTurn;
-  const bool creeps = crept() > kCreep;
-  creeping_.emplace_back(utime_, std::clamp(turn->angle / kScanOffset, -kTurn, kTurn));  // a leap is no creep
-  if (is_turning) turning_ = utime_;
-  if (is_still && !shakes_) usual_ = usual_ > 0 ? std::min(turn->residual, kUsualGrowth * usual_) : turn->residual;
-  if (is_still) gave_up_ = false;
-  still_ = is_still ? still_ + 1 : 0;
-  if (still_ <= 1) still_since_ = utime_;
-  if (shakes_ && utime_ - still_since_ > kMinQuietTime) shakes_ = false;
-  if (shakes_) return Result::kUncertain;
-
-  if (!before_) {
-    if (gave_up_ || creeps || !is_turning) return Result::kStable;
-    before_ = std::move(earlier);
-    unsure_since_ = utime_;
-  } else if (still_ >= kMinStillScans) {
-    const auto since = turn_since(*before_, look);
-    before_.reset();
-    return since ? conclude(*since) : Result::kStable;
-  } else if (utime_ - unsure_since_ > kPatience) {
-    interrupt();
-    if (look.turn_confirmed && !creeps) return begin_to_shake();
-    gave_up_ = true;
-    return Result::kStable;
+  const Comparison scan = note(*turn);
+  switch (state_) {
+    case State::kFirm:
+      if (scan.turns && !scan.creeps) return begin_to_doubt(std::move(earlier));
+      break;
+    case State::kInDoubt:
+      if (still_ >= kMinStillScans) return end_doubt(look);
+      if (utime_ - unsure_since_ > kPatience) return give_up(look.turn_confirmed && !scan.creeps);
+      break;
+    case State::kOdometry:
+      if (scan.still) return settle();
+      break;
+    case State::kShakes:
+      if (utime_ - still_since_ > kMinQuietTime) return settle();
+      break;
   }
-  return Result::kUncertain;
+  return as_before();
 }
 
 MountYaw::Result MountYaw::skip(std::int64_t utime) {
   interrupt();
   utime_ = utime;
-  if (std::abs(utime_ - turning_) > kUnobserved) shakes_ = false;
-  return shakes_ ? Result::kUncertain : Result::kStable;
+  if (shakes() && std::abs(utime_ - turning_) > kUnobserved) return settle();
+  return as_before();
+}
+
+/// The state stays, and with it whether scans are used.
+MountYaw::Result MountYaw::as_before() const {
+  return state_ == State::kInDoubt || state_ == State::kShakes ? Result::kUncertain : Result::kStable;
+}
+
+MountYaw::Comparison MountYaw::note(const AzimuthProfile::Turn& turn) {
+  const Comparison scan{is_turn(turn), std::abs(turn.angle) < 0.5 * kTurn, crept() > kCreep};
+  creeping_.emplace_back(utime_, std::clamp(turn.angle / kScanOffset, -kTurn, kTurn));  // a leap is no creep
+  if (scan.turns) turning_ = utime_;
+  if (scan.still && !shakes()) usual_ = usual_ > 0 ? std::min(turn.residual, kUsualGrowth * usual_) : turn.residual;
+  still_ = scan.still ? still_ + 1 : 0;
+  if (still_ <= 1) still_since_ = utime_;
+  return scan;
 }
 
 /// rad, the turn of the last second, without leaps.
@@ -88,9 +93,18 @@ double MountYaw::crept() {
   return std::abs(sum);
 }
 
-/// The LiDAR is still again. `since`: the turn since before.
-MountYaw::Result MountYaw::conclude(const AzimuthProfile::Turn& since) {
-  if (!is_turn(since)) return Result::kStable;
+MountYaw::Result MountYaw::begin_to_doubt(Earlier before) {
+  state_ = State::kInDoubt;
+  before_ = std::move(before);
+  unsure_since_ = utime_;
+  return Result::kUncertain;
+}
+
+/// The LiDAR is still again: what counts is how far it has turned since before.
+MountYaw::Result MountYaw::end_doubt(const Observation& look) {
+  state_ = State::kFirm;
+  const auto since = turn_since(*std::exchange(before_, {}), look);
+  if (!since || !is_turn(*since)) return Result::kStable;
   while (!turns_.empty() && std::abs(utime_ - turns_.front()) > kShakeSpan) turns_.pop_front();
   if (turns_.empty()) quiet_yaw_ = yaw_;
   turns_.push_back(utime_);
@@ -99,15 +113,23 @@ MountYaw::Result MountYaw::conclude(const AzimuthProfile::Turn& since) {
   if (turned_ == 0 || utime_ - turned_ > kReportedFor) largest_ = 0;
   turned_ = utime_;
   creeping_.clear();
-  yaw_ -= since.angle;  // what stands still turns the other way
-  largest_ = std::max({largest_, std::abs(yaw_), std::abs(since.angle)});
+  yaw_ -= since->angle;  // what stands still turns the other way
+  largest_ = std::max({largest_, std::abs(yaw_), std::abs(since->angle)});
   earlier_.clear();
   return Result::kTurned;
 }
 
+/// It does not come to rest: by wheels and gyro too, then it shakes; else odometry may be what turns.
+MountYaw::Result MountYaw::give_up(bool turn_confirmed) {
+  interrupt();
+  if (turn_confirmed) return begin_to_shake();
+  state_ = State::kOdometry;
+  return Result::kStable;
+}
+
 MountYaw::Result MountYaw::begin_to_shake() {
   counters_.add("faults.lidar.shakes");
-  shakes_ = true;
+  state_ = State::kShakes;
   shook_ = turning_ = utime_;
   if (!turns_.empty()) yaw_ = quiet_yaw_;
   turns_.clear();
@@ -115,13 +137,19 @@ MountYaw::Result MountYaw::begin_to_shake() {
   return Result::kUncertain;
 }
 
-std::optional<AzimuthProfile::Turn> MountYaw::turn_since(const Earlier& earlier, const Observation& look) const {
-  const AzimuthProfile there(*look.points, earlier.T_odom_base.inverse() * look.T_odom_base, lidar_);
-  return there.turn_since(earlier.profile, shakes_ ? 0 : usual_);
+MountYaw::Result MountYaw::settle() {
+  state_ = State::kFirm;
+  return Result::kStable;
 }
 
-/// Breaks the sequence.
+std::optional<AzimuthProfile::Turn> MountYaw::turn_since(const Earlier& earlier, const Observation& look) const {
+  const AzimuthProfile there(*look.points, earlier.T_odom_base.inverse() * look.T_odom_base, lidar_);
+  return there.turn_since(earlier.profile, shakes() ? 0 : usual_);
+}
+
+/// Breaks the sequence, and ends a doubt, as nothing will resolve it.
 void MountYaw::interrupt() {
+  if (state_ == State::kInDoubt) state_ = State::kFirm;
   earlier_.clear();
   before_.reset();
   usual_ = 0;
@@ -130,7 +158,7 @@ void MountYaw::interrupt() {
 
 void MountYaw::add_faults(std::vector<std::string>& faults) const {
   const auto seconds_ago = [&](std::int64_t since) { return static_cast<double>(utime_ - since) * 1e-6; };
-  if (shakes_) {
+  if (shakes()) {
     faults.emplace_back(
         "LiDAR: it shakes in its mount, by a degree or more: nothing is mapped until it is still. Tighten its mount");
   } else if (shook_ != 0 && utime_ - shook_ < kReportedFor) {

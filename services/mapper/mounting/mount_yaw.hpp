@@ -53,34 +53,51 @@ class MountYaw {
   Result skip(std::int64_t utime);
   /// rad, to the left: how far the LiDAR has turned since the start.
   [[nodiscard]] double yaw() const { return yaw_; }
-  [[nodiscard]] bool shakes() const { return shakes_; }
+  [[nodiscard]] bool shakes() const { return state_ == State::kShakes; }
   void add_faults(std::vector<std::string>& faults) const;
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
+  /// How the LiDAR is believed to stand in its mount. add() goes from one to the next.
+  enum class State {
+    kFirm,      ///< it is still
+    kInDoubt,   ///< it may be turning since before_
+    kOdometry,  ///< what turns may be odometry: scans are used until they show no turn
+    kShakes,    ///< it does not come to rest
+  };
   struct Earlier {
     Pose T_odom_base;
     AzimuthProfile profile;
   };
+  /// What a scan shows, compared with the one before the last.
+  struct Comparison {
+    bool turns = false;   ///< by more than kTurn
+    bool still = false;   ///< far less than that
+    bool creeps = false;  ///< it had turned gradually, before: not in its mount
+  };
   [[nodiscard]] std::optional<AzimuthProfile::Turn> turn_since(const Earlier& earlier, const Observation& look) const;
-  Result conclude(const AzimuthProfile::Turn& since);
+  Comparison note(const AzimuthProfile::Turn& turn);
+  Result begin_to_doubt(Earlier before);
+  Result end_doubt(const Observation& look);
+  Result give_up(bool turn_confirmed);
   Result begin_to_shake();
+  Result settle();
+  [[nodiscard]] Result as_before() const;
   void interrupt();
   [[nodiscard]] double crept();
 
   Eigen::Vector3d lidar_;
+  State state_ = State::kFirm;
   std::int64_t utime_ = 0;                                // us, of the last scan
   std::deque<Earlier> earlier_;                           // the last two scans
-  std::optional<Earlier> before_;                         // the scan before those that are in doubt
-  std::int64_t unsure_since_ = 0;                         // us
+  std::optional<Earlier> before_;                         // kInDoubt: the scan before those that are in doubt,
+  std::int64_t unsure_since_ = 0;                         // us, and the first of these
   int still_ = 0;                                         // scans in a row that show no turn,
   std::int64_t still_since_ = 0;                          // us, and the first of them
   std::deque<std::pair<std::int64_t, double>> creeping_;  // us, rad: turn between two scans, for a second
   double usual_ = 0;                                      // residual of two scans that show no turn, lately
-  bool gave_up_ = false;      // what turns may be odometry: scans are used until it has stopped
-  std::int64_t turning_ = 0;  // us, the last scan that shows a turn
-  bool shakes_ = false;
-  std::int64_t shook_ = 0;  // us; 0: never
+  std::int64_t turning_ = 0;                              // us, the last scan that shows a turn
+  std::int64_t shook_ = 0;                                // us; 0: never
   double yaw_ = 0;
   double quiet_yaw_ = 0;            // before turns_
   std::deque<std::int64_t> turns_;  // us, of the last seconds

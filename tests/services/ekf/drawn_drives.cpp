@@ -1,7 +1,8 @@
 #include "tests/services/ekf/drawn_drives.hpp"
 
-#include <Eigen/Cholesky>
 #include <random>
+
+#include "common/linear/decompositions.hpp"
 
 namespace curbstone::ekf {
 
@@ -65,7 +66,7 @@ double pose_nees(const model::Estimate& e, const Drive& drive, std::size_t start
   Eigen::Matrix<double, 6, 1> error;
   error << truth.translation() - e.T_odom_base.translation(),
       so3_log(Eigen::Quaterniond(e.T_odom_base.linear().transpose() * truth.linear()));
-  return error.dot(e.pose_covariance.ldlt().solve(error));
+  return error.dot(Ldlt<6>(e.pose_covariance).solve(error));
 }
 
 std::vector<model::Estimate> run(filter::Filter& filter, const Drive& drive) {

@@ -21,16 +21,16 @@ double noise_of(std::uint64_t n) {
   return (static_cast<double>(n >> 11) / 9007199254740992.0 - 0.5) * std::sqrt(12.0);
 }
 
-}  // namespace
-
-double SyntheticWorld::range(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
+/// As SyntheticWorld::range(), of these boxes.
+double first_hit(bool ground, const std::vector<const SyntheticWorld::Box*>& boxes, const Eigen::Vector3d& origin,
+                 const Eigen::Vector3d& direction) {
   double best = ground && direction.z() < 0 && origin.z() > 0 ? -origin.z() / direction.z() : kInfinity;
-  for (const Box& box : boxes) {
+  for (const SyntheticWorld::Box* box : boxes) {
     double enter = 0;
     double leave = kInfinity;
     for (int axis = 0; axis < 3 && enter < std::min(leave, best); ++axis) {  // until it is missed, or behind another
-      const double a = (box.low[axis] - origin[axis]) / direction[axis];
-      const double b = (box.high[axis] - origin[axis]) / direction[axis];
+      const double a = (box->low[axis] - origin[axis]) / direction[axis];
+      const double b = (box->high[axis] - origin[axis]) / direction[axis];
       enter = std::max(enter, std::min(a, b));
       leave = std::min(leave, std::max(a, b));
     }
@@ -39,9 +39,49 @@ double SyntheticWorld::range(const Eigen::Vector3d& origin, const Eigen::Vector3
   return best < 100 ? best : kInfinity;
 }
 
+/// The boxes that a column of rays may meet: those that reach the half plane in which they lie. Without this the tests
+/// of the mapper spend three quarters of their time on rays and boxes far apart.
+class Column {
+ public:
+  explicit Column(const std::vector<SyntheticWorld::Box>& boxes) {
+    for (const SyntheticWorld::Box& box : boxes)
+      all_.push_back({&box, 0.5 * (box.low + box.high), 0.5 * (box.high - box.low)});
+  }
+  /// The half plane begins at the upright through `origin`, goes `ahead`, and `aside` is its normal: unit vectors.
+  const std::vector<const SyntheticWorld::Box*>& at(const Eigen::Vector3d& origin, const Eigen::Vector3d& ahead,
+                                                    const Eigen::Vector3d& aside) {
+    constexpr double kMargin = 0.001;  // m, far beyond rounding
+    met_.clear();
+    for (const Whole& whole : all_) {
+      const Eigen::Vector3d to = whole.middle - origin;
+      const bool meets = std::abs(aside.dot(to)) < aside.cwiseAbs().dot(whole.half) + kMargin &&
+                         ahead.dot(to) > -ahead.cwiseAbs().dot(whole.half) - kMargin;
+      if (meets) met_.push_back(whole.box);
+    }
+    return met_;
+  }
+
+ private:
+  struct Whole {
+    const SyntheticWorld::Box* box;
+    Eigen::Vector3d middle, half;
+  };
+  std::vector<Whole> all_;
+  std::vector<const SyntheticWorld::Box*> met_;
+};
+
+}  // namespace
+
+double SyntheticWorld::range(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
+  std::vector<const Box*> all;
+  for (const Box& box : boxes) all.push_back(&box);
+  return first_hit(ground, all, origin, direction);
+}
+
 std::vector<lidar_points_t> SyntheticWorld::packets(const Trajectory& trajectory, const Pose& T_base_lidar,
                                                     int revolution, double start, double period) const {
   std::vector<lidar_points_t> out(kPackets);
+  Column seen(boxes);
   for (int column = 0; column < kColumns; ++column) {
     lidar_points_t& packet = out[static_cast<std::size_t>(column / 24)];
     const double time = start + period * column / kColumns;
@@ -52,11 +92,14 @@ std::vector<lidar_points_t> SyntheticWorld::packets(const Trajectory& trajectory
     }
     const Pose T_world_lidar = trajectory(time) * T_base_lidar;
     const double azimuth = kPi - 2 * kPi * column / kColumns;
+    const double cosine = std::cos(azimuth), sine = std::sin(azimuth);
+    const std::vector<const Box*>& near =
+        seen.at(T_world_lidar.translation(), T_world_lidar.linear() * Eigen::Vector3d(cosine, sine, 0),
+                T_world_lidar.linear() * Eigen::Vector3d(-sine, cosine, 0));
     for (int ring = 0; ring < 16; ++ring) {
       const double elevation = (-15 + 2 * ring) * kPi / 180;
-      const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
-                                std::sin(elevation));
-      double r = range(T_world_lidar.translation(), T_world_lidar.linear() * ray);
+      const Eigen::Vector3d ray(std::cos(elevation) * cosine, std::cos(elevation) * sine, std::sin(elevation));
+      double r = first_hit(ground, near, T_world_lidar.translation(), T_world_lidar.linear() * ray);
       if (!std::isfinite(r)) continue;
       r += noise * noise_of(static_cast<std::uint64_t>((revolution * kColumns + column) * 16 + ring) + 1);
       const Eigen::Vector3f p = (r * ray).cast<float>();

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <array>
 
+#include "common/linear/decompositions.hpp"
 #include "tests/services/ekf/drawn_drives.hpp"
 #include "tests/services/ekf/town_drive.hpp"
 
@@ -17,7 +17,7 @@ constexpr double kLook[] = {8.0, 16.0, 24.0, 34.0, 45.0};  // s; at 34 it has ju
 
 double velocity_nees(const model::Estimate& e, const Drive& drive) {
   const Eigen::Vector3d error = drive.truth[drive.index_of(e.utime)].velocity - e.velocity;
-  return error.dot(e.twist_covariance.topLeftCorner<3, 3>().ldlt().solve(error));
+  return error.dot(Ldlt<3>(e.twist_covariance.topLeftCorner<3, 3>()).solve(error));
 }
 
 double bias_nees(const model::Estimate& e, const model::Belief& belief, const Drive& drive) {
@@ -25,7 +25,7 @@ double bias_nees(const model::Estimate& e, const model::Belief& belief, const Dr
   Eigen::Matrix<double, 6, 1> error;
   error << truth.gyro_bias - e.gyro_bias, truth.accelerometer_bias - e.accelerometer_bias;
   const Eigen::Matrix<double, 6, 6> covariance = belief.covariance.block<6, 6>(model::kGyroBias, model::kGyroBias);
-  return error.dot(covariance.ldlt().solve(error));
+  return error.dot(Ldlt<6>(covariance).solve(error));
 }
 
 constexpr double kLow3 = 99.4 / kRuns, kHigh3 = 213.0 / kRuns;

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-
+#include "common/linear/decompositions.hpp"
 #include "tests/services/ekf/drawn_drives.hpp"
 #include "tests/services/ekf/town_drive.hpp"
 #include "tests/services/ekf/wheel_fault.hpp"
@@ -42,7 +41,7 @@ Outcome outcome_of(const base::EkfConfig& config, const Drive& drive, double ons
     const double yaw = roll_pitch_yaw(e.T_odom_base.linear()).z() - roll_pitch_yaw(truth.linear()).z();
     outcome.position = std::max(outcome.position, error.norm());
     outcome.yaw = std::max(outcome.yaw, std::abs(std::remainder(yaw, 2 * M_PI)));
-    const double sigmas = std::sqrt(error.dot(covariance.ldlt().solve(error)));
+    const double sigmas = std::sqrt(error.dot(Ldlt<2>(covariance).solve(error)));
     if (t > recognised) {
       outcome.sigmas = std::max(outcome.sigmas, sigmas);
       outcome.yaw_sigmas =
