@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "services/mapper/scan/own_body.hpp"
+#include "common/config/own_body.hpp"
 
 namespace curbstone::mapper::moving_objects {
 namespace {
@@ -23,8 +23,7 @@ constexpr float kDrift = 0.3F;       // m by which an object's range may change 
 
 }  // namespace
 
-CoMovingObjects::CoMovingObjects(const VehicleConfig& vehicle)
-    : mounting_{vehicle.T_base_lidar(), scan::own_body(vehicle)} {}
+CoMovingObjects::CoMovingObjects(const VehicleConfig& vehicle) : mounting_{vehicle.T_base_lidar(), own_body(vehicle)} {}
 
 std::optional<scan::Scan> CoMovingObjects::without(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
   if (std::abs(scan.end - looked_) >= kLook) look(scan, odometry);

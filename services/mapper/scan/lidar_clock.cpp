@@ -20,6 +20,7 @@ constexpr std::int64_t kLatest = std::int64_t{1} << 60;  // us: no stamp, and fa
 constexpr int kMaxMisfits = 20;                          // packets
 constexpr int kDiffering = 100;                          // times in a row: a second of odometry
 constexpr double kFarOff = 500'000;                      // us
+constexpr std::int64_t kSteady = 5'000'000;              // us: what is sent again after a loss is old for less
 constexpr int kFollowing = 750;                          // packets in a row
 constexpr double kSmoothing = 1.0 / 128;
 
@@ -43,7 +44,7 @@ void LidarClock::add(const lidar_points_t& packet, std::int64_t odometry, const 
   if (step_) return hold(packet, now, handler);
   if (last_ && last_->odometry != 0 && odometry != 0) {
     const std::int64_t by = now.utime - expected_after(*last_, now);
-    if (std::abs(by) > std::max(kSmallest, 2 * interval_)) {
+    if (std::abs(by) > (interval_ == 0 ? kLongestPacket : std::max(kSmallest, 2 * interval_))) {
       step_ = Step{by, std::min(kAgree, std::abs(by) / 2), now.utime, now};
       return hold(packet, now, handler);
     }
@@ -82,7 +83,10 @@ void LidarClock::compare_with_odometry(const Heard& now) {
   const auto ahead = static_cast<double>(now.utime - now.odometry);
   const bool agrees = ahead_ && std::abs(ahead - *ahead_) < kAgree;
   differing_ = agrees ? 0 : differing_ + 1;
-  if (!ahead_ || differing_ > kDiffering) ahead_ = ahead;
+  if (!ahead_ || differing_ > kDiffering) {
+    ahead_ = ahead;
+    ahead_since_ = now.utime;
+  }
   if (agrees) *ahead_ += kSmoothing * (ahead - *ahead_);
 }
 
@@ -157,7 +161,7 @@ void LidarClock::release(const Handler& handler) {
 }
 
 void LidarClock::add_faults(std::vector<std::string>& faults) const {
-  if (ahead_ && std::abs(*ahead_) > kFarOff)
+  if (ahead_ && std::abs(*ahead_) > kFarOff && last_->utime - ahead_since_ > kSteady)
     faults.push_back(
         fmt::format("LiDAR: its stamps are {:.1f} s {} odometry's, so it is mapped without odometry: is its "
                     "clock right (GPS, PTP), or that of its host?",

@@ -87,6 +87,7 @@ class LidarClock {
   int followed_ = 0;                 // packets in a row whose stamps agree with odometry as they come
   std::optional<double> ahead_;      // us, smoothed: the LiDAR's newest stamp less odometry's
   int differing_ = 0;                // times in a row that it was another
+  std::int64_t ahead_since_ = 0;     // us, stamp at which it became what it is
   Counters counters_;
 };
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "common/config/own_body.hpp"
 #include "common/linear/decompositions.hpp"
 #include "services/mapper/registration/make_registration.hpp"
-#include "services/mapper/scan/own_body.hpp"
 
 namespace curbstone::mapper::tracking {
 namespace {
@@ -46,7 +46,7 @@ ScanMatcher::ScanMatcher(const config::RegistrationConfig& config, const Vehicle
       max_speed_(max_speed),
       T_base_lidar_(vehicle.T_base_lidar()),
       R_base_lidar_(T_base_lidar_.linear()),
-      own_body_(scan::own_body(vehicle)),
+      own_body_(curbstone::own_body(vehicle)),
       registration_(registration::make_registration(config, T_base_lidar_.translation())) {}
 
 void ScanMatcher::clear_map() {

@@ -4,7 +4,7 @@
 
 #include "common/config/vehicle.hpp"
 
-namespace curbstone::mapper::scan {
+namespace curbstone {
 
 /// The box in which the LiDAR sees the vehicle itself, in base_link, m. It does not include the ground below.
 [[nodiscard]] inline Eigen::AlignedBox3f own_body(const VehicleConfig& vehicle) {
@@ -16,4 +16,4 @@ namespace curbstone::mapper::scan {
   return {rear_right.cast<float>(), front_left.cast<float>()};
 }
 
-}  // namespace curbstone::mapper::scan
+}  // namespace curbstone
