@@ -20,8 +20,8 @@ constexpr std::int64_t kLatest = std::int64_t{1} << 60;  // us: no stamp, and fa
 constexpr int kMaxMisfits = 20;                          // packets
 constexpr int kDiffering = 100;                          // times in a row: a second of odometry
 constexpr double kFarOff = 500'000;                      // us
-constexpr std::int64_t kSteady = 5'000'000;              // us: what is sent again after a loss is old for less
-constexpr int kFollowing = 750;                          // packets in a row
+constexpr int kSteady = 400;     // times in a row: 4 s; what is sent again after a loss is old for less
+constexpr int kFollowing = 750;  // packets in a row
 constexpr double kSmoothing = 1.0 / 128;
 
 /// Whether a step is left as it is, unless the next packet ends it.
@@ -83,10 +83,8 @@ void LidarClock::compare_with_odometry(const Heard& now) {
   const auto ahead = static_cast<double>(now.utime - now.odometry);
   const bool agrees = ahead_ && std::abs(ahead - *ahead_) < kAgree;
   differing_ = agrees ? 0 : differing_ + 1;
-  if (!ahead_ || differing_ > kDiffering) {
-    ahead_ = ahead;
-    ahead_since_ = now.utime;
-  }
+  agreeing_ = agrees ? agreeing_ + 1 : 0;
+  if (!ahead_ || differing_ > kDiffering) ahead_ = ahead;
   if (agrees) *ahead_ += kSmoothing * (ahead - *ahead_);
 }
 
@@ -160,8 +158,12 @@ void LidarClock::release(const Handler& handler) {
   if (step_) end_step(correction_, handler);
 }
 
+std::int64_t LidarClock::corrected(std::int64_t utime) const {
+  return std::min(utime, kLatest) + correction_ - (step_ ? step_->by : 0);
+}
+
 void LidarClock::add_faults(std::vector<std::string>& faults) const {
-  if (ahead_ && std::abs(*ahead_) > kFarOff && last_->utime - ahead_since_ > kSteady)
+  if (ahead_ && std::abs(*ahead_) > kFarOff && agreeing_ >= kSteady)
     faults.push_back(
         fmt::format("LiDAR: its stamps are {:.1f} s {} odometry's, so it is mapped without odometry: is its "
                     "clock right (GPS, PTP), or that of its host?",

@@ -47,9 +47,7 @@ class LidarClock {
   void release(const Handler& handler);
 
   /// us: the stamp of the newest packet, corrected; while packets are held, as if their clock had not been set.
-  [[nodiscard]] std::int64_t corrected(std::int64_t utime) const {
-    return utime + correction_ - (step_ ? step_->by : 0);
-  }
+  [[nodiscard]] std::int64_t corrected(std::int64_t utime) const;
   /// Adds faults: stamps are corrected; they are far from odometry's.
   void add_faults(std::vector<std::string>& faults) const;
   [[nodiscard]] const Counters& counters() const { return counters_; }
@@ -87,7 +85,7 @@ class LidarClock {
   int followed_ = 0;                 // packets in a row whose stamps agree with odometry as they come
   std::optional<double> ahead_;      // us, smoothed: the LiDAR's newest stamp less odometry's
   int differing_ = 0;                // times in a row that it was another
-  std::int64_t ahead_since_ = 0;     // us, stamp at which it became what it is
+  int agreeing_ = 0;                 // times in a row that it was the same
   Counters counters_;
 };
 

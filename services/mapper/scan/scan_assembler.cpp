@@ -7,6 +7,8 @@
 namespace curbstone::mapper::scan {
 namespace {
 
+constexpr int kPackets = 8;             // of a scan, at least, to tell by its stamps
+constexpr std::int64_t kShare = 20;     // of a revolution
 constexpr float kMaxTimeOffset = 0.1F;  // s; a packet of the slowest revolution lasts 5 ms
 
 bool well_formed(const lidar_points_t& m) {
@@ -68,6 +70,7 @@ std::optional<Scan> ScanAssembler::flush() {
 
 std::optional<Scan> ScanAssembler::restart_with(const lidar_points_t& packet) {
   std::optional<Scan> done = flush();
+  if (done) check_stamps(*done, packet.utime);
   current_.emplace();
   current_->number = packet.revolution;
   current_->start = current_->end = packet.utime;
@@ -77,6 +80,18 @@ std::optional<Scan> ScanAssembler::restart_with(const lidar_points_t& packet) {
   newest_packet_ = packet.packet;
   append(packet);
   return done;
+}
+
+/// A LiDAR takes its points over all of the revolution, but where it sends a small part of the view.
+void ScanAssembler::check_stamps(const Scan& done, std::int64_t next_start) {
+  const std::int64_t period = next_start - done.start;
+  const bool is_revolution = done.packets >= kPackets && period > 0 && period <= limits_.max_span;
+  if (!is_revolution || kShare * (done.end - done.start) >= period) {
+    with_one_stamp_ = 0;
+    return;
+  }
+  counters_.add("lidar.one_stamp");
+  ++with_one_stamp_;
 }
 
 void ScanAssembler::append(const lidar_points_t& packet) {

@@ -23,8 +23,9 @@ struct AssemblyLimits {
 /// Assembles the packets of a scan. Lost packets are counted. Late packets of the current scan are taken; late packets
 /// of an older scan and duplicates are dropped. A clock jump or a driver restart begins a new scan. Pure; one thread.
 ///
-/// Counters: lidar.packets, lidar.lost, lidar.reordered, lidar.restarts, lidar.clock_jumps, dropped.late,
-/// dropped.duplicate, refused.packet, refused.not_finite, points.out_of_range, refused.endless_scan.
+/// Counters: lidar.one_stamp (scans whose points all have one stamp), lidar.packets, lidar.lost, lidar.reordered,
+/// lidar.restarts, lidar.clock_jumps, dropped.late, dropped.duplicate, refused.packet, refused.not_finite,
+/// points.out_of_range, refused.endless_scan.
 class ScanAssembler {
  public:
   explicit ScanAssembler(const AssemblyLimits& limits = {}) : limits_(limits) {}
@@ -34,9 +35,13 @@ class ScanAssembler {
   /// Returns what there is of the current scan: the drive is over.
   [[nodiscard]] std::optional<Scan> flush();
 
+  /// Whether all points of each of the last scans were taken in the same moment, by their stamps.
+  [[nodiscard]] bool has_one_stamp() const { return with_one_stamp_ >= kTimeless; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
+  static constexpr int kTimeless = 20;  // scans in a row
+  void check_stamps(const Scan& done, std::int64_t next_start);
   void append(const lidar_points_t& packet);
   /// Takes a packet that later ones have overtaken.
   void take_late(const lidar_points_t& packet);
@@ -47,6 +52,7 @@ class ScanAssembler {
   std::vector<std::int32_t> seen_;  // sequence numbers of the current scan's packets
   std::int64_t newest_utime_ = 0;
   std::int32_t newest_packet_ = 0;
+  int with_one_stamp_ = 0;  // scans in a row
   Counters counters_;
 };
 

@@ -108,6 +108,15 @@ void ScanSynchronizer::note_processed(std::int64_t end, bool with_odometry) {
   without_odometry_ = with_odometry ? 0 : without_odometry_ + 1;
 }
 
+void ScanSynchronizer::add_packet_faults(std::vector<std::string>& faults) const {
+  packets_.add_faults(faults);
+  clock_.add_faults(faults);
+  if (assembler_.has_one_stamp())
+    faults.emplace_back(
+        "LiDAR: all points of a revolution have one stamp, so the map is bent where the vehicle moves: its driver must "
+        "stamp each packet, or each point");
+}
+
 void ScanSynchronizer::add_odometry_faults(std::vector<std::string>& faults, bool has_map,
                                            std::int64_t last_end) const {
   if (has_map && without_odometry_ >= kOdometryMissing)

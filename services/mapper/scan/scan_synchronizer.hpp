@@ -73,10 +73,7 @@ class ScanSynchronizer {
 
   /// us, start of the first scan of the drive; 0: none yet.
   [[nodiscard]] std::int64_t first_start() const { return first_start_; }
-  void add_packet_faults(std::vector<std::string>& faults) const {
-    packets_.add_faults(faults);
-    clock_.add_faults(faults);
-  }
+  void add_packet_faults(std::vector<std::string>& faults) const;
   /// `has_map`: the drive has begun; `last_end`: us, of the last scan processed.
   void add_odometry_faults(std::vector<std::string>& faults, bool has_map, std::int64_t last_end) const;
   void add_counters(Counters& counters) const;

@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
+#include <limits>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -218,6 +221,26 @@ TEST(LidarClock, RandomStampsHoldNothingForLong) {
   const std::int64_t refused = host.clock.counters()["refused.lidar_stamp"];
   EXPECT_EQ(static_cast<std::int64_t>(host.offs.size()) + refused, static_cast<std::int64_t>(host.truth.size()));
   EXPECT_EQ(host.offs.back(), 0);
+}
+
+TEST(LidarClock, StampsAndNumbersOfAnySizeAreSurvived) {
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+  constexpr std::int32_t kLast = std::numeric_limits<std::int32_t>::max();
+  LidarClock clock;
+  std::mt19937 random(1);
+  const std::int64_t stamps[] = {-kMost,    -1,        0,    1, kStart, kStart + 1'333, kStart - 5 * kSecond,
+                                 kMost / 8, kMost / 2, kMost};
+  const std::int32_t numbers[] = {-kLast - 1, -1, 0, 1, 2, 3, kLast - 1, kLast};
+  std::size_t passed = 0;
+  for (int i = 0; i < 100'000; ++i) {
+    lidar_points_t packet{};
+    packet.utime = stamps[random() % std::size(stamps)];
+    packet.packet = numbers[random() % std::size(numbers)];
+    clock.add(packet, std::max<std::int64_t>(stamps[random() % std::size(stamps)], 0), [&](const auto&) { ++passed; });
+    (void)clock.corrected(packet.utime);
+  }
+  clock.release([&](const auto&) { ++passed; });
+  EXPECT_EQ(passed + static_cast<std::size_t>(clock.counters()["refused.lidar_stamp"]), 100'000U);
 }
 
 TEST(LidarClock, StampsThatWereFarFromOdometrysFromTheBeginningAreNamed) {

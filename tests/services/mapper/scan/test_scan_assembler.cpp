@@ -42,6 +42,32 @@ TEST(ScanAssembler, GivesAScanWhenTheNextBegins) {
   EXPECT_NEAR(revolution->points.back().time, 0.048F, 1e-6F);
 }
 
+TEST(ScanAssembler, RevolutionsWithOneStampAreTold) {
+  ScanAssembler assembler;
+  for (int i = 0; i < 600; ++i) {
+    lidar_points_t packet = packet_of(i, 1);
+    if (i < 300) packet.utime = packet_of(i / 10 * 10).utime;
+    (void)assembler.add(packet);
+    if (i == 190 || i == 290) {
+      EXPECT_EQ(assembler.has_one_stamp(), i == 290) << i;
+    }
+  }
+  EXPECT_FALSE(assembler.has_one_stamp()) << "of a driver that was mended";
+  EXPECT_EQ(assembler.counters()["lidar.one_stamp"], 30);
+}
+
+TEST(ScanAssembler, StampsOfTheRevolutionsBeginWithTimesOfThePointsAreGood) {
+  ScanAssembler assembler;
+  for (int i = 0; i < 600; ++i) {
+    lidar_points_t packet = packet_of(i);
+    const std::int64_t start = packet_of(i / 10 * 10).utime;
+    for (float& offset : packet.time_offset) offset += 1e-6F * static_cast<float>(packet.utime - start);
+    packet.utime = start;
+    (void)assembler.add(packet);
+  }
+  EXPECT_EQ(assembler.counters()["lidar.one_stamp"], 0);
+}
+
 TEST(ScanAssembler, CountsWhatWasLost) {
   ScanAssembler assembler;
   for (const int i : {0, 1, 4, 5, 9}) (void)assembler.add(packet_of(i));
