@@ -18,7 +18,7 @@ class VehicleLine {
   /// later.
   VehicleLine(const ReplayOptions& options, StageLine::Options line);
 
-  /// A driver's message with message time `now`, us.
+  /// A driver's message. `now`: us, MessageOrder::time().
   void deliver(std::int64_t now, std::string channel, std::vector<std::uint8_t> bytes);
   /// A message for the record only.
   void note(std::string channel, std::vector<std::uint8_t> bytes);
