@@ -8,6 +8,7 @@ int main(int argc, char** argv) {
       argc, argv,
       {"semantic_map", kProcessSections, "Curbs and the five-class map from voted points; keeps the map file"},
       [](const semantic_map::SemanticMapConfig& config, ServiceContext& context) {
-        return std::make_unique<semantic_map::SemanticMapNode>(config, context.bus, true);
+        return std::make_unique<semantic_map::SemanticMapNode>(config, context.bus,
+                                                               semantic_map::store::UnusableFile::kWaits);
       });
 }

@@ -48,14 +48,13 @@ std::int32_t revision_at(std::int64_t now, std::int32_t epoch) {
 
 }  // namespace
 
-SemanticMapNode::SemanticMapNode(const SemanticMapConfig& config, Publisher& bus, bool waits_for_file)
+SemanticMapNode::SemanticMapNode(const SemanticMapConfig& config, Publisher& bus, store::UnusableFile unusable)
     : config_(config),
       bus_(bus),
       spill_file_(make_spill_file(config)),
       pipeline_(config.curb, with_vehicle(config.classes, config.vehicle), config.markings, spill_file_),
       schedule_(config.work_per_tick),
-      keeper_(config.map, static_cast<std::size_t>(config.max_pending_tiles), config.keep_earlier_drives,
-              waits_for_file),
+      keeper_(config.map, static_cast<std::size_t>(config.max_pending_tiles), config.keep_earlier_drives, unusable),
       linker_(config.markings),
       nearby_curbs_(config.curb_range),
       nearby_markings_(config.curb_range, config.markings) {}

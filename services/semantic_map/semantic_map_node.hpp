@@ -37,9 +37,10 @@ namespace curbstone::semantic_map {
 /// TILE_REQUEST) and owns SEMANTIC_TILE. The final map is a function of the final voted tiles and the poses alone.
 class SemanticMapNode final : public Node {
  public:
-  /// Throws MapStoreError if the map file cannot be used; with `waits_for_file` only if it is a WrongMapFile, and the
-  /// rest is a fault while it lasts.
-  SemanticMapNode(const SemanticMapConfig& config, Publisher& bus, bool waits_for_file = false);
+  /// Throws MapStoreError if the map file cannot be used; with kWaits only if it is a WrongMapFile, and the rest
+  /// is a fault while it lasts.
+  SemanticMapNode(const SemanticMapConfig& config, Publisher& bus,
+                  store::UnusableFile unusable = store::UnusableFile::kThrows);
 
   void connect(Subscriber& bus) override;
   void tick(std::int64_t now) override;

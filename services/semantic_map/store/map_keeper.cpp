@@ -14,7 +14,7 @@ constexpr std::size_t kMaxPoses = 200'000;           // kept while the disk is f
 
 }  // namespace
 
-MapKeeper::MapKeeper(const std::string& path, std::size_t max_pending_tiles, bool keep_earlier, bool waits_for_file)
+MapKeeper::MapKeeper(const std::string& path, std::size_t max_pending_tiles, bool keep_earlier, UnusableFile unusable)
     : path_(path), max_pending_(max_pending_tiles), keep_earlier_(keep_earlier) {
   if (path.empty()) return;
   state_ = State::kIdle;
@@ -23,7 +23,7 @@ MapKeeper::MapKeeper(const std::string& path, std::size_t max_pending_tiles, boo
   } catch (const WrongMapFile&) {
     throw;
   } catch (const MapStoreError& error) {
-    if (!waits_for_file) throw;
+    if (unusable == UnusableFile::kThrows) throw;
     note_error(error.what());
   }
 }

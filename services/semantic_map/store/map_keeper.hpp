@@ -21,6 +21,9 @@ struct StoredLines {
   std::unordered_set<TileKey, TileKeyHash> tiles;
 };
 
+/// What a map file that cannot be used does at the start.
+enum class UnusableFile { kThrows, kWaits };
+
 /// Writes changes to the map file, one transaction at a time, in another thread: the disk takes tens of ms, for which
 /// no tile should wait. While the disk is full (or fails) it keeps the newest state of each tile in memory, up to a
 /// bound (and as many again while a write is under way), reports the fault, and writes when it can again. Calls come
@@ -39,10 +42,11 @@ struct StoredLines {
 class MapKeeper {
  public:
   /// Opens the file: throws MapStoreError. Empty path: nothing is stored. `keep_earlier`: an earlier drive in the file
-  /// is moved to a file beside it when another begins (MapStore::free_name). `waits_for_file`: a file that cannot be
-  /// used is a fault instead, and write() tries it again, unless it is a WrongMapFile.
+  /// is moved to a file beside it when another begins (MapStore::free_name). With
+  /// UnusableFile::kWaits a file that cannot be used is a fault instead, and write() tries it again, unless it is a
+  /// WrongMapFile.
   MapKeeper(const std::string& path, std::size_t max_pending_tiles, bool keep_earlier = true,
-            bool waits_for_file = false);
+            UnusableFile unusable = UnusableFile::kThrows);
   /// Waits for the current transaction; pending changes are lost without finish().
   ~MapKeeper();
   MapKeeper(const MapKeeper&) = delete;

@@ -32,7 +32,7 @@ TEST_F(MapKeeperTest, AFileThatCannotBeUsedIsAFaultAndIsTriedAgain) {
   const fs::path disk = folder_ / "disk";
   std::ofstream(disk) << "in the way";
   EXPECT_THROW(MapKeeper(disk / "map.db", 100), MapStoreError);
-  MapKeeper keeper(disk / "map.db", 100, true, true);
+  MapKeeper keeper(disk / "map.db", 100, true, UnusableFile::kWaits);
   EXPECT_NE(keeper.fault().find("the map is kept in memory only: "), std::string::npos) << keeper.fault();
   drive(keeper, 7, kSecond, 50);
   keeper.write();
@@ -53,7 +53,7 @@ TEST_F(MapKeeperTest, AFileThatComesLaterKeepsItsEarlierDrive) {
     earlier.finish({});
   }
   std::ofstream(disk) << "in the way";
-  MapKeeper keeper(disk / "map.db", 100, true, true);
+  MapKeeper keeper(disk / "map.db", 100, true, UnusableFile::kWaits);
   drive(keeper, 9000, 9000 * kSecond, 50);
   fs::remove(disk);
   fs::create_directory(disk);
@@ -70,9 +70,9 @@ TEST_F(MapKeeperTest, AFileThatComesLaterKeepsItsEarlierDrive) {
 
 TEST_F(MapKeeperTest, DoesNotWaitForAFileThatIsNamedByMistakeOrWrittenByAnother) {
   std::ofstream(folder_ / "letter") << "no map at all";
-  EXPECT_THROW(MapKeeper(folder_ / "letter", 100, true, true), WrongMapFile);
+  EXPECT_THROW(MapKeeper(folder_ / "letter", 100, true, UnusableFile::kWaits), WrongMapFile);
   const MapKeeper first(path_, 100);
-  EXPECT_THROW(MapKeeper(path_, 100, true, true), WrongMapFile);
+  EXPECT_THROW(MapKeeper(path_, 100, true, UnusableFile::kWaits), WrongMapFile);
 }
 
 }  // namespace
