@@ -165,7 +165,7 @@ std::int64_t LidarClock::corrected(std::int64_t utime) const {
 void LidarClock::add_faults(std::vector<std::string>& faults) const {
   if (ahead_ && std::abs(*ahead_) > kFarOff && agreeing_ >= kSteady)
     faults.push_back(
-        fmt::format("LiDAR: its stamps are {:.1f} s {} odometry's, so it is mapped without odometry: is its "
+        fmt::format("LiDAR: its stamps are {:.1f} s {} odometry's, and its scans are used without odometry: is its "
                     "clock right (GPS, PTP), or that of its host?",
                     std::abs(*ahead_) * 1e-6, *ahead_ > 0 ? "ahead of" : "behind"));
   if (correction_ == 0) return;

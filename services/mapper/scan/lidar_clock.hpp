@@ -23,8 +23,8 @@ namespace curbstone::mapper::scan {
 /// - neither within kLongestHold: the packets pass as they are.
 ///
 /// Where the next packet goes on in the old clock, only the held stamps were wrong, and are corrected. Smaller steps
-/// are held for one packet, for this alone. Without odometry nothing is held. Pure; one thread. Time is LiDAR time, so
-/// a replay decides as the vehicle did.
+/// are held for one packet, for this alone. Without odometry nothing is held. Pure; one thread. Time is LiDAR time;
+/// which of the two channels is heard first matters from kAgree on.
 ///
 /// Counters: lidar.clock_corrections (steps taken out), lidar.stamps_corrected (packets of which only the stamp was
 /// wrong), refused.lidar_stamp (packets after a step that fit neither clock).
