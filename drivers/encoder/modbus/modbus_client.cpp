@@ -120,6 +120,7 @@ Reply ModbusClient::read(const Block& block, std::span<std::uint16_t> registers)
   const int got = modbus_read_registers(context_.get(), block.address, block.count, registers.data());
   const int error = errno;
   reply.round_trip = steady_clock() - sent;
+  reply.time = sent + reply.round_trip / 2;
   reply.utime = wall_clock() - reply.round_trip / 2;
   if (got == block.count) {
     reply.outcome = reply.round_trip <= settings_.timeout ? Outcome::kOk : Outcome::kSlow;

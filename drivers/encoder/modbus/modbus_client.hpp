@@ -39,6 +39,7 @@ struct Reply {
   Outcome outcome = Outcome::kGone;
   int exception = 0;            ///< its code: 1 function, 2 address, 3 value, 4 device failure...
   std::int64_t utime = 0;       ///< us since the Unix epoch, middle between request and reply
+  std::int64_t time = 0;        ///< the same instant by the steady clock, us
   std::int64_t round_trip = 0;  ///< us
 };
 
