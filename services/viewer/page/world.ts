@@ -59,7 +59,7 @@ export interface Playback { position: number; progress: number; speed: number; p
 
 export interface State {
   source: "live" | "map" | "replay"; title: string; epoch: number; tiles: number; behind: number;
-  bus_age: number | null; tile_age: number | null; pose_age: number | null;
+  bus_age: number | null; tile_age: number | null; index_age: number | null; pose_age: number | null;
   new_map_age: number | null;  // s of the drive since a map began that does not continue the one before
   latency: [number | null, number | null];
   vehicle: [number, number, number];  // m: length, width, x of the middle

@@ -18,7 +18,8 @@ export interface Look {
   cloudBy: CloudColour;
   range: [number, number];  // m, ends of the height ramp
   now: number;              // us, reference time of the ages
-  grey: number;             // 0 .. 1: how stale the data are
+  grey: number;             // 0 .. 1: how stale the map is
+  greyPoints: number;       // the same of the LiDAR's points
   draft: boolean;           // draws the tilted view coarser and faster
   paper: Rgb;
 }
@@ -167,7 +168,7 @@ export class Ground {
     gl.uniformMatrix4fv(point.at("toClip"), false, camera.matrix());
     gl.uniformMatrix4fv(point.at("toMap"), false, matrixOf(pose, camera));
     gl.uniform1f(point.at("size"), Math.min(4, Math.max(1.6, camera.scale * 0.05)) * this.canvas.width / camera.width);
-    gl.uniform1f(point.at("grey"), look.grey);
+    gl.uniform1f(point.at("grey"), look.greyPoints);
     gl.uniform1i(point.at("byIntensity"), look.byIntensity ? 1 : 0);
     gl.uniform3fv(point.at("ramp"), pointRamp(look.theme).flatMap(unit));
     gl.bindBuffer(gl.ARRAY_BUFFER, this.points);
