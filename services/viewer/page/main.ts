@@ -75,7 +75,7 @@ function draw(now: number): void {
   if (world.curbsChanged) ground.curbsChanged();
   if (world.markingsChanged) ground.markingsChanged();
   ground.draw(camera, { ...layers, theme: look, mode: settings.mode, byIntensity: settings.points === "intensity", cloudBy: settings.cloud,
-    range, now: newestTime(world), grey, greyPoints: lives ? 0 : grey, draft, paper: kBackground[look] }, pose);
+    range, now: newestTime(world), grey, greyPoints: lives ? 0 : grey, draft, paper: kBackground[look] });
   const poses: [Pose, string][] = pose ? [[pose, kInk[look].vehicle]] : [], other = localized.poseAt(now);
   if (other && layers.localized) poses.unshift([other, kInk[look].localized]);
   marks.refresh(camera);

@@ -24,6 +24,8 @@ export interface Look {
   paper: Rgb;
 }
 
+const kScanKept = 1.5e6;  // us of the drive for which a scan is shown, where it was measured
+
 /// `cellWidth`: of the page's nearest cells, CSS pixels.
 export type Paint = (page: Page, cellWidth: number) => WebGLTexture;
 
@@ -73,7 +75,7 @@ export class Ground {
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   }
 
-  draw(camera: Camera, look: Look, pose: Pose | null): void {
+  draw(camera: Camera, look: Look): void {
     if (this.lost) return;
     const { gl, canvas, world } = this;
     this.pages.upload();
@@ -91,7 +93,8 @@ export class Ground {
       this.drawPages(camera, look, paint);
     }
     if (look.cloud) this.cloud.draw(world.cloud, camera, look, canvas.width / camera.width);
-    if (look.points && pose && this.numPoints > 0) this.drawPoints(camera, look, pose);
+    const pose = world.scanPose, age = pose && world.state?.pose ? world.state.pose.utime - pose.utime : 0;
+    if (look.points && pose && age < kScanKept && this.numPoints > 0) this.drawPoints(camera, look, pose);
     this.pages.forget();
   }
 
