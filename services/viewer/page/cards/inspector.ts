@@ -3,7 +3,7 @@ import { classColours, css, kClassNames, Mode, Theme } from "../drawing/palette"
 import { byId, closeButton, fixed, list, make, metres, seconds, setText } from "../format";
 import { newestTime } from "../survey";
 import { cellAt, heightOf, kUnknownCost, Tile, World } from "../world";
-import { CurbPlace, curbAt, CutCell, cutAcross, drawCut, lengthOf, pointsAcross } from "./cross_section";
+import { CurbPlace, curbAt, CutCell, cutOf, drawCut, lengthOf } from "./cross_section";
 
 export class Inspector {
   picked: [number, number] | null = null;  // m in map
@@ -66,15 +66,16 @@ export class Inspector {
   }
 
   private curb(curb: CurbPlace, colours: string[]): HTMLElement[] {
-    const { line } = curb, facts = make("dl");
+    const { line } = curb, facts = make("dl"), cut = cutOf(this.world, curb), { sides } = cut;
     list(facts, [
       [line.inferred ? "Step, inferred" : "Step", `${metres(curb.height)}${line.rise > 0 ? ", up from the path" : line.rise < 0 ? ", down from the path" : ""}`],
+      ...sides ? [["Step fitted here", metres(sides.step)], ["Slope below, above", `${percent(sides.low.slope)}, ${percent(sides.high.slope)}`]] as [string, string][] : [],
       ["Foot", `${fixed(curb.foot, 3)} m`],
       ["Confidence", `${Math.round(100 * line.confidence)} %`],
       ["Line", metres(lengthOf(line))],
     ]);
-    const cells = cutAcross(this.world, curb), [title, sentence] = meaningOf(curb, cells);
-    return [make("h4", title), ...sentence ? [make("p", sentence)] : [], drawCut(cells, pointsAcross(this.world, curb), curb, kind => colours[kind]), facts];
+    const [title, sentence] = meaningOf(curb, cut.cells);
+    return [make("h4", title), ...sentence ? [make("p", sentence)] : [], drawCut(cut, curb, kind => colours[kind]), facts];
   }
 
   private distance(): [string, string][] {
@@ -91,6 +92,11 @@ function meaningOf({ line }: CurbPlace, cells: CutCell[]): [string, string] {
     return ["Inferred curb", `Nobody saw it: a bridge between two curbs that were seen.${hides}`];
   }
   return line.dropped ? ["Lowered curb", "As at a driveway or a crossing: its step is low."] : ["Curb", ""];
+}
+
+/// Of a side: rising towards the higher one.
+function percent(slope: number): string {
+  return `${fixed(Math.round(1000 * slope) / 10 + 0, 1)} %`;  // no −0.0
 }
 
 function ago(us: number): string {
