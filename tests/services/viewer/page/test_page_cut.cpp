@@ -132,5 +132,29 @@ TEST_F(PageCut, ASideThatNobodySawLeavesTheMapsStep) {
   EXPECT_EQ(value_of("Step fitted here"), -1000) << "no such row";
 }
 
+TEST_F(PageCut, AClickedCellCountsItsPointsAndTheirHeights) {
+  put_roads(-1, 1);
+  vehicle_x = 5;
+  open("at=0,0,40,0&follow=0&theme=light");
+  const Spot spot = spot_of(-1.5, -1.5);  // the cell from -1.56 to -1.44
+  browser->click(spot.x, spot.y);
+  ASSERT_TRUE(shows("#cell", "Road"));
+  EXPECT_THAT(text_of("#cell"), ::testing::Not(HasSubstr("Points in it"))) << "nobody has sent any";
+  browser->pass(0.5);
+  map_points_t points{};
+  points.epoch = epoch();
+  points.tile_x = points.tile_y = -1;
+  // Steps of 2 mm from the tile's corner. The last two are of the cells beside it.
+  points.x = {750, 750, 725, 690, 790};
+  points.y = {750, 750, 775, 750, 750};
+  points.z = {0, 100, 250, 0, 0};
+  points.intensity = {9, 9, 9, 9, 9};
+  points.num_points = 5;
+  send("MAP_POINTS", points);
+  ASSERT_TRUE(shows("#cell", "Points in it")) << text_of("#cell");
+  EXPECT_THAT(text_of("#cell"), HasSubstr("3, 0.00 to 0.50 m"));
+  keep_picture("cell_points");
+}
+
 }  // namespace
 }  // namespace curbstone::viewer
