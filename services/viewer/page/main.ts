@@ -172,7 +172,7 @@ function look(): void {
   showTimeline();
   if (initialLoad.asksForPart()) redraw();  // the part received so far
   settings.write(camera);
-  const latency = grey || isPast ? null : state?.latency[0] ?? null;
+  const latency = grey || isPast || state?.playback?.ended ? null : state?.latency[0] ?? null;
   byId("latency").textContent = latency === null ? "" : `${seconds(latency)} from sensor to screen`;
   verdict = showServices(world.services, isPast ? 0 : connection.age() / 1000, state?.playback ?? null);
   if (state) panel.showState(state, motion.speed);
