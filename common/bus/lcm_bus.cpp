@@ -25,6 +25,9 @@ namespace curbstone {
 namespace {
 
 constexpr std::int64_t kTurn = 100'000;  // us of handling messages, after which timers run
+// ns for which messages gather after some have come. A message that is taken with others costs a fifth of one that
+// wakes two threads, and its sender finds nobody to wake.
+constexpr long kGather = 2'000'000;
 
 std::string effective_url(std::string url) {
   if (!url.empty()) return url;
@@ -233,7 +236,9 @@ class LcmBus::Impl {
     while (true) {
       if (poll(fds, 2, -1) < 0) continue;
       if (fds[1].revents != 0) return;
-      socket_->receive([this](const BusSocket::Message& message) { arrived(message); });
+      if (socket_->receive([this](const BusSocket::Message& message) { arrived(message); })) continue;
+      const timespec gather{0, kGather};
+      if (ppoll(&fds[1], 1, &gather, nullptr) > 0) return;
     }
   }
 
