@@ -25,9 +25,6 @@ namespace curbstone {
 namespace {
 
 constexpr std::int64_t kTurn = 100'000;  // us of handling messages, after which timers run
-// ns for which messages gather after some have come. A message that is taken with others costs a fifth of one that
-// wakes two threads, and its sender finds nobody to wake.
-constexpr long kGather = 2'000'000;
 
 std::string effective_url(std::string url) {
   if (!url.empty()) return url;
@@ -96,6 +93,8 @@ class LcmBus::Impl {
     has_tap_ = true;
     if (socket_) socket_->pass_all();
   }
+
+  void gather(std::chrono::microseconds time) { gather_ = time; }
 
   void receive_large(std::vector<std::string> channels) { large_channels_ = std::move(channels); }
 
@@ -237,8 +236,8 @@ class LcmBus::Impl {
       if (poll(fds, 2, -1) < 0) continue;
       if (fds[1].revents != 0) return;
       if (socket_->receive([this](const BusSocket::Message& message) { arrived(message); })) continue;
-      const timespec gather{0, kGather};
-      if (ppoll(&fds[1], 1, &gather, nullptr) > 0) return;
+      const timespec gather{0, static_cast<long>(gather_.count()) * 1000};
+      if (gather_.count() > 0 && ppoll(&fds[1], 1, &gather, nullptr) > 0) return;
     }
   }
 
@@ -283,6 +282,7 @@ class LcmBus::Impl {
   int stop_fd_ = -1;
   mutable std::optional<BusSocket> socket_;
   std::vector<std::string> large_channels_;
+  std::chrono::microseconds gather_{0};
   bool has_tap_ = false;
   SubscriptionId last_id_ = 0;
   std::mutex queue_mutex_;  // guards the two members below
@@ -321,6 +321,9 @@ void LcmBus::tap(Tap tap, QueueLimit limit, const std::string& except) {
 }
 void LcmBus::receive_large(std::vector<std::string> channels) {
   impl_->receive_large(std::move(channels));
+}
+void LcmBus::gather(std::chrono::microseconds time) {
+  impl_->gather(time);
 }
 SubscriptionId LcmBus::subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) {
   return impl_->subscribe(channel, std::move(handler), limit);
