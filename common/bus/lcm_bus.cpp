@@ -94,6 +94,8 @@ class LcmBus::Impl {
     if (socket_) socket_->pass_all();
   }
 
+  void gather(std::chrono::microseconds time) { gather_ = time; }
+
   void receive_large(std::vector<std::string> channels) { large_channels_ = std::move(channels); }
 
   bool handle(std::chrono::milliseconds timeout) {
@@ -233,7 +235,9 @@ class LcmBus::Impl {
     while (true) {
       if (poll(fds, 2, -1) < 0) continue;
       if (fds[1].revents != 0) return;
-      socket_->receive([this](const BusSocket::Message& message) { arrived(message); });
+      if (socket_->receive([this](const BusSocket::Message& message) { arrived(message); })) continue;
+      const timespec gather{0, static_cast<long>(gather_.count()) * 1000};
+      if (gather_.count() > 0 && ppoll(&fds[1], 1, &gather, nullptr) > 0) return;
     }
   }
 
@@ -278,6 +282,7 @@ class LcmBus::Impl {
   int stop_fd_ = -1;
   mutable std::optional<BusSocket> socket_;
   std::vector<std::string> large_channels_;
+  std::chrono::microseconds gather_{0};
   bool has_tap_ = false;
   SubscriptionId last_id_ = 0;
   std::mutex queue_mutex_;  // guards the two members below
@@ -316,6 +321,9 @@ void LcmBus::tap(Tap tap, QueueLimit limit, const std::string& except) {
 }
 void LcmBus::receive_large(std::vector<std::string> channels) {
   impl_->receive_large(std::move(channels));
+}
+void LcmBus::gather(std::chrono::microseconds time) {
+  impl_->gather(time);
 }
 SubscriptionId LcmBus::subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) {
   return impl_->subscribe(channel, std::move(handler), limit);
