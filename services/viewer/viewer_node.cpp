@@ -310,12 +310,6 @@ frames::World ViewerNode::world() const {
           .now = now_};
 }
 
-/// Of a log in its own time: a slow machine or a slow playback makes no pause of it.
-double ViewerNode::index_age() const {
-  if (!playback_ || index_heard_ == 0) return seconds_since(index_heard_, now_);
-  return std::max(0.0, playback_->position - index_position_);
-}
-
 State ViewerNode::state_for(const Page& page) const {
   return {.source = source_.kind,
           .title = source_.title,
@@ -324,7 +318,8 @@ State ViewerNode::state_for(const Page& page) const {
           .behind = tiles_.behind(),
           .bus_age = seconds_since(bus_heard_, now_),
           .tile_age = seconds_since(tile_heard_, now_),
-          .index_age = index_age(),
+          .index_age = playback_ && index_heard_ != 0 ? std::max(0.0, playback_->position - index_position_)
+                                                      : seconds_since(index_heard_, now_),
           .pose_age = seconds_since(pose_heard_, now_),
           .new_map_age = is_new_map() && pose_ ? seconds_since(path_.points().front().utime, pose_->utime)
                                                : std::numeric_limits<double>::quiet_NaN(),

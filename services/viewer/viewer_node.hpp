@@ -89,7 +89,6 @@ class ViewerNode final : public Node {
   void watch_scan();
   void watch_cloud();
   void send_frames();
-  [[nodiscard]] double index_age() const;
   [[nodiscard]] State state_for(const Page& page) const;
   void heard() { bus_heard_ = now_; }
   [[nodiscard]] bool is_new_map() const;
@@ -126,7 +125,7 @@ class ViewerNode final : public Node {
   std::int64_t bus_heard_ = 0;
   std::int64_t tile_heard_ = 0;
   std::int64_t index_heard_ = 0;
-  double index_position_ = 0;  // s, in a log
+  double index_position_ = 0;  // s, in a log: its index ages in its own time, however slowly it is played
   std::int64_t pose_heard_ = 0;
   std::int64_t localized_heard_ = 0;
   std::int64_t last_request_ = 0;

@@ -69,7 +69,7 @@ class PageCut : public PageOnABus {
     const auto line = browser->evaluate(
         "document.querySelector('#cell .step').getAttribute('points').split(' ').map(p => p.split(',').map(Number))");
     ASSERT_EQ(line.size(), 4U);
-    const auto slope = [&](int from, int to) {
+    const auto slope = [&](std::size_t from, std::size_t to) {
       const double across = (line[to][0].get<double>() - line[from][0].get<double>()) * 3 / 232;
       return (line[from][1].get<double>() - line[to][1].get<double>()) * 0.6 / 96 / across;
     };
