@@ -34,28 +34,28 @@ ModbusNode::ModbusNode(const EncoderConfig& config, Publisher& bus)
 
 void ModbusNode::on_reading(std::int64_t now, const modbus::Reading& reading) {
   link_fault_.clear();
-  const std::int64_t elapsed = reading.utime - reading_.utime;
-  const bool first = reading_.utime == 0 || elapsed <= 0 || elapsed > microseconds(config_.silence);
+  const std::int64_t elapsed = reading.time - reading_.time;
+  const bool first = reading_.time == 0 || elapsed <= 0 || elapsed > microseconds(config_.silence);
   if (first) {
-    if (reading_.utime != 0) counters_.add("counts_restarted");
+    if (reading_.time != 0) counters_.add("counts_restarted");
     odometer_.restart();
     stuck_.restart();
-    output_.restart(reading.utime);
   }
+  output_.restart(reading.utime);
   reading_ = reading;
   last_heard_ = now;
   round_trips_.add(static_cast<double>(reading.round_trip));
   const auto sample = odometer_.update(reading.counts, static_cast<double>(elapsed) * 1e-6);
   if (!sample) return share_.refused(now, odometer_.refusal());
   share_.used(now);
-  stuck_.add(reading.utime, reading.counts, reading.speeds);
+  stuck_.add(reading.time, reading.counts, reading.speeds);
   if (first) return;
   if (stuck_.all_stuck()) return counters_.add("withheld.stuck");
   wheels_t message = WheelsOutput::message(*sample, reading.utime);
   for (std::size_t i = 0; i < 2; ++i)
     message.faults[i] = reading.faults[i] | (stuck_.stuck(i) ? std::int32_t{StuckCounts::kFault} : 0);
-  message.enabled = !stuck_.stuck(0) && !stuck_.stuck(1) && reading.state_utime != 0 && reading.state.enabled &&
-                    reading.faults_utime != 0 && reading.faults[0] == 0 && reading.faults[1] == 0;
+  message.enabled = !stuck_.stuck(0) && !stuck_.stuck(1) && reading.state_time != 0 && reading.state.enabled &&
+                    reading.faults_time != 0 && reading.faults[0] == 0 && reading.faults[1] == 0;
   output_.publish(message, now);
 }
 
@@ -64,6 +64,11 @@ void ModbusNode::on_link(bool up, const std::string& why) {
   if (!up && was_up_ && link_fault_.empty()) counters_.add("link.lost");
   was_up_ |= up;
   link_fault_ = up ? "" : why;
+}
+
+void ModbusNode::clock_was_set(std::int64_t by) {
+  began_ += by;
+  last_heard_ += by;
 }
 
 void ModbusNode::tick(std::int64_t now) {
@@ -76,16 +81,16 @@ void ModbusNode::add_faults_of_drive(NodeReport& report) const {
   add_wheel_faults(report, reading_.faults);
   if (reading_.state.alarm) report.faults.emplace_back("drive: alarm");
   if (reading_.state.emergency_stop) report.faults.emplace_back("drive: emergency stop");
-  if (reading_.utime == 0) return;
+  if (reading_.time == 0) return;
   const std::int64_t old = microseconds(kOldStatus * modbus::DrivePoll::kStatusEvery / config_.modbus.rate) + 1'000'000;
-  const auto check_age = [&](const char* what, std::int64_t utime) {
-    const std::int64_t since = utime != 0 ? utime : began_;
-    if (now_ - since > old)
+  const auto check_age = [&](const char* what, std::int64_t time) {
+    const std::int64_t age = time != 0 ? now_ - last_heard_ + reading_.time - time : now_ - began_;
+    if (age > old)
       report.faults.push_back(
-          fmt::format("the drive's {} not known for {:.0f} s", what, static_cast<double>(now_ - since) * 1e-6));
+          fmt::format("the drive's {} not known for {:.0f} s", what, static_cast<double>(age) * 1e-6));
   };
-  check_age("faults are", reading_.faults_utime);
-  check_age("status is", reading_.state_utime);
+  check_age("faults are", reading_.faults_time);
+  check_age("status is", reading_.state_time);
   add_encoder_lines_fault(report, reading_.encoder_lines, config_);
 }
 
@@ -94,7 +99,7 @@ NodeReport ModbusNode::report() const {
   report.counters = counters_;
   for (const auto& [name, value] : odometer_.counters().values()) report.counters.add(name, value);
   output_.report(report);
-  if (reading_.utime != 0) {
+  if (reading_.time != 0) {
     set_level(report.counters, "modbus.round_trip_us", std::llround(round_trips_.percentile(0.5)));
     set_level(report.counters, "stamp.uncertainty_us", std::llround(0.5 * round_trips_.percentile(0.99)));
   }

@@ -22,7 +22,8 @@ namespace curbstone::encoder {
 ///
 /// A reading's stamp is the middle between its request and its reply, which is accurate to half the round trip. After a
 /// silence the counts restart: the drive may have lost power and count from 0. The motion in the meantime is lost, and
-/// the first reading has no speed, so it is not published.
+/// the first reading has no speed, so it is not published. Speeds and silences are measured by the steady clock: when
+/// the host's clock is set, the stamps follow it and nothing else changes.
 class ModbusNode final : public Node {
  public:
   ModbusNode(const EncoderConfig& config, Publisher& bus);
@@ -33,6 +34,7 @@ class ModbusNode final : public Node {
   /// `why`, if the link is not up, is one line for the operator.
   void on_link(bool up, const std::string& why);
   void tick(std::int64_t now) override;
+  void clock_was_set(std::int64_t by) override;
   [[nodiscard]] NodeReport report() const override;
 
   /// Called by report(), to add the counters and faults of the link.

@@ -26,7 +26,7 @@ class Replies {
     reply.outcome = static_cast<Outcome>(input_.number<std::uint8_t>() % (static_cast<int>(Outcome::kGone) + 1));
     reply.exception = input_.number<std::uint8_t>();
     now_ += 10 * input_.number<std::uint16_t>();
-    reply.utime = now_;
+    reply.utime = reply.time = now_;
     reply.round_trip = 2000;
     for (std::uint16_t& value : registers) value = input_.number<std::uint16_t>();
     return reply;

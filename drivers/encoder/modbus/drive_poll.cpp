@@ -134,10 +134,11 @@ bool DrivePoll::read_block(const std::function<void(const Reading&)>& on_reading
   }
   const std::span all(registers);
   reading_.utime = last_.utime;
+  reading_.time = last_.time;
   reading_.round_trip = last_.round_trip;
   if (level_ == 0) {
     reading_.faults = {registers[0], registers[1]};
-    reading_.faults_utime = last_.utime;
+    reading_.faults_time = last_.time;
     reading_.counts = positions(all.subspan<2, 4>());
   } else {
     reading_.counts = positions(all.first<4>());
@@ -155,14 +156,14 @@ void DrivePoll::read_status(const Block& block) {
   std::array<std::uint16_t, kMaxRegisters> registers{};
   if (!read(block, registers)) return;
   reading_.state = drive_state(registers[0]);
-  reading_.state_utime = last_.utime;
+  reading_.state_time = last_.time;
 }
 
 void DrivePoll::read_faults() {
   std::array<std::uint16_t, kMaxRegisters> registers{};
   if (!read(kFaults, registers)) return;
   reading_.faults = {registers[0], registers[1]};
-  reading_.faults_utime = last_.utime;
+  reading_.faults_time = last_.time;
 }
 
 void DrivePoll::read_encoder_lines() {

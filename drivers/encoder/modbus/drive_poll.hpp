@@ -16,13 +16,14 @@ namespace curbstone::encoder::modbus {
 /// Both wheels at one instant, with the latest state of the drive. Index 0 is the left wheel.
 struct Reading {
   std::int64_t utime = 0;       ///< us since the Unix epoch, middle between request and reply
+  std::int64_t time = 0;        ///< the same instant by the steady clock, us: the host's clock may be set in between
   std::int64_t round_trip = 0;  ///< us; the counts were sampled within it, so the stamp is accurate to half of it
   std::array<std::int32_t, 2> counts{};
   std::optional<std::array<std::int16_t, 2>> speeds = std::nullopt;  ///< 0.1 rpm, read with the counts
   std::array<std::uint16_t, 2> faults{};                             ///< bits, as 603F of the CAN drive
-  std::int64_t faults_utime = 0;                                     ///< us, when they were read; 0 if never
+  std::int64_t faults_time = 0;                                      ///< us, steady, when they were read; 0 if never
   DriveState state;
-  std::int64_t state_utime = 0;     ///< us, when it was read; 0 if never
+  std::int64_t state_time = 0;      ///< us, steady, when it was read; 0 if never
   std::uint32_t encoder_lines = 0;  ///< 0 if the drive does not report them
 };
 

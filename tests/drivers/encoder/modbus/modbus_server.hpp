@@ -78,6 +78,8 @@ class ModbusServer {
     return blocks_;
   }
 
+  /// us, steady clock: when the wheels stood at 0.
+  [[nodiscard]] std::int64_t began_at() const { return begin_; }
   /// The wheels turn at this rate, the right one backwards; counted when the request has come.
   static constexpr double kCountsPerSecond = 10'000;
   std::atomic<Mood> mood = Mood::kAnswers;

@@ -18,7 +18,8 @@ constexpr std::uint16_t kFaultBits = 0x0404;
 struct Line {
   Reply read(const Block& block, std::span<std::uint16_t> registers) {
     asked.push_back(block.count);
-    Reply reply{Outcome::kOk, 0, ++utime, 4'000};
+    ++utime;
+    Reply reply{Outcome::kOk, 0, utime, utime, 4'000};
     if (!next.empty()) {
       reply.outcome = next.front();
       next.pop_front();
@@ -98,7 +99,7 @@ TEST_F(DrivePollTest, ADriveThatKnowsNoLargeBlockIsReadBySmallerOnesAndItsFaults
     ASSERT_GT(readings_.size(), 25u) << most;
     EXPECT_EQ(readings_.back().counts[0], 1234);
     EXPECT_EQ(readings_.back().faults[1], kFaultBits);
-    EXPECT_GT(readings_.back().faults_utime, 0);
+    EXPECT_GT(readings_.back().faults_time, 0);
   }
   EXPECT_EQ(poll_.counters()["modbus.fallbacks"], 1 + 2);
 }

@@ -6,7 +6,9 @@
 #include <curbstone/wheels_t.hpp>
 #include <memory>
 #include <optional>
+#include <vector>
 
+#include "common/statistics/quantile.hpp"
 #include "common/time/clock.hpp"
 #include "drivers/encoder/modbus_node.hpp"
 #include "tests/drivers/driver_on_a_pty.hpp"
@@ -48,7 +50,10 @@ class ModbusDriver : public test::DriverOnAPty<wheels_t> {
     node_.emplace(config_, recorder_.bus());
     link_.emplace(modbus_settings(config_), config_.modbus.rate);
     node_->add_report([this](NodeReport& report) { link_->report(report); });
-    link_->attach(loop_, {[this](const auto& reading) { node_->on_reading(wall_clock(), reading); },
+    link_->attach(loop_, {[this](const auto& reading) {
+                            readings_.push_back(reading);
+                            node_->on_reading(wall_clock(), reading);
+                          },
                           [this](bool up, const auto& why) { node_->on_link(up, why); }});
   }
   void unplug() {
@@ -105,6 +110,7 @@ class ModbusDriver : public test::DriverOnAPty<wheels_t> {
   std::optional<ModbusServer> server_;
   std::optional<ModbusNode> node_;
   std::optional<modbus::ModbusLink> link_;
+  std::vector<modbus::Reading> readings_;
 };
 
 /// Over a serial line and over TCP alike.
@@ -129,6 +135,19 @@ TEST_P(ModbusAnyway, TheWheelsAreReadByFunction03Alone) {
   EXPECT_TRUE(last.enabled);
   EXPECT_GT(count("modbus.round_trip_us"), 0);
   EXPECT_LT(count("stamp.uncertainty_us"), 60'000);
+}
+
+/// The server samples the wheels when a request has come, and answers 40 ms later: half of that before the stamp.
+TEST_P(ModbusAnyway, TheStampIsInTheMiddleOfRequestAndReply) {
+  server_->lateness = 40;
+  server_->mood = ModbusServer::Mood::kLate;
+  ASSERT_TRUE(run_until_more_samples(20));
+  std::vector<double> after_sampling;  // us
+  for (const modbus::Reading& reading : readings_) {
+    const double sampled_at = reading.counts[0] / ModbusServer::kCountsPerSecond * 1e6;
+    after_sampling.push_back(static_cast<double>(reading.time - server_->began_at()) - sampled_at);
+  }
+  EXPECT_NEAR(quantile_in_place(after_sampling, 0.5), 20e3, 5e3);
 }
 
 TEST_P(ModbusAnyway, FaultsOfTheDriveAreReported) {

@@ -27,9 +27,10 @@ class ModbusNodeTest : public ::testing::Test {
       angle_ += speed * 1e-6 * kPeriod;
       const auto counts = static_cast<std::int64_t>(angle_ * 4096 / (2 * M_PI));
       reading_.utime = now_;
+      reading_.time = now_ - set_by_ - kBoot;
       reading_.round_trip = 4'000;
       reading_.counts = {wrap(first_ + counts), wrap(first_ - counts)};
-      if (!stale_) reading_.state_utime = reading_.faults_utime = now_;
+      if (!stale_) reading_.state_time = reading_.faults_time = reading_.time;
       node_.on_reading(now_ + 2'000, reading_);
       node_.tick(now_ + 2'000);
     }
@@ -41,7 +42,9 @@ class ModbusNodeTest : public ::testing::Test {
   test::Recorder<wheels_t> recorder_{"WHEELS"};
   ModbusNode node_{EncoderConfig{}, recorder_.bus()};
   modbus::Reading reading_{.state = {true, false, false}};
+  static constexpr std::int64_t kBoot = kStart - 1'000'000;  // the steady clock counts from then
   std::int64_t now_ = kStart;
+  std::int64_t set_by_ = 0;  // us, the host's clock so far
   std::int64_t first_ = 0;
   double angle_ = 0;
   bool stale_ = false;
@@ -85,6 +88,7 @@ TEST_F(ModbusNodeTest, OneReadingThatCannotBeIsRefused) {
   const double angle = recorder_.messages().back().angle[0];
   now_ += kPeriod;
   reading_.utime = now_;
+  reading_.time += kPeriod;
   reading_.counts[0] += 1 << 24;
   node_.on_reading(now_, reading_);
   run(1);
@@ -98,6 +102,7 @@ TEST_F(ModbusNodeTest, AGatewayThatRenewsItsCountsMoreRarelyThanItIsAskedMakesNo
     run(1);
     for (int old = 0; old < 4; ++old) {
       reading_.utime = now_ += kPeriod;
+      reading_.time += kPeriod;
       angle_ += 10e-6 * kPeriod;
       node_.on_reading(now_, reading_);
       node_.tick(now_);
@@ -175,6 +180,7 @@ TEST_F(ModbusNodeTest, ReadingsOfEveryValueAreSurvived) {
   std::mt19937_64 random(3);
   for (int i = 0; i < 20'000; ++i) {
     reading_.utime = random() % 10 == 0 ? static_cast<std::int64_t>(random() >> 2) : now_ + i * kPeriod;
+    reading_.time = random() % 10 == 0 ? static_cast<std::int64_t>(random() >> 2) : 1 + i * kPeriod;
     reading_.round_trip = static_cast<std::int64_t>(random() % 60'000);
     reading_.counts = {static_cast<std::int32_t>(random()), static_cast<std::int32_t>(random())};
     reading_.faults = {static_cast<std::uint16_t>(random()), static_cast<std::uint16_t>(random())};
@@ -185,6 +191,32 @@ TEST_F(ModbusNodeTest, ReadingsOfEveryValueAreSurvived) {
     ASSERT_LE(std::abs(message.speed[0]), 61);
   }
 }
+
+/// The host's clock is set while the wheels turn.
+class ModbusNodeOnASetClock : public ModbusNodeTest, public ::testing::WithParamInterface<double> {};
+
+TEST_P(ModbusNodeOnASetClock, SpeedsAndAnglesGoOnAndTheStampsFollow) {
+  run(100);
+  const std::int64_t by = std::llround(GetParam() * 1e6);
+  now_ += by;
+  set_by_ += by;
+  node_.clock_was_set(by);
+  node_.tick(now_);
+  EXPECT_THAT(node_.report().faults, IsEmpty());
+  run(20);
+  NodeReport report = node_.report();
+  EXPECT_EQ(report.counters["counts_restarted"], 0);
+  EXPECT_THAT(report.faults, IsEmpty()) << "no age is taken from two clocks";
+  run(100);
+  for (const wheels_t& message : recorder_.messages()) EXPECT_NEAR(message.speed[0], 10, 0.1);
+  const wheels_t& last = recorder_.messages().back();
+  EXPECT_EQ(last.utime, now_);
+  EXPECT_NEAR(last.angle[0], 219 * 0.2, 0.01) << "no way is lost";
+  // After a step back by less than 0.1 s messages wait until the clock has passed the last stamp.
+  EXPECT_GE(recorder_.messages().size(), 219U - 6U);
+}
+INSTANTIATE_TEST_SUITE_P(By, ModbusNodeOnASetClock,
+                         ::testing::Values(-3600, -1, -0.5, -0.05, -0.005, 0.005, 0.06, 0.5, 3600));
 
 }  // namespace
 }  // namespace curbstone::encoder
