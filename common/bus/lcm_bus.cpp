@@ -235,14 +235,27 @@ class LcmBus::Impl {
     while (true) {
       if (poll(fds, 2, -1) < 0) continue;
       if (fds[1].revents != 0) return;
-      if (socket_->receive([this](const BusSocket::Message& message) { arrived(message); })) continue;
+      if (receive_some()) continue;
       const timespec gather{0, static_cast<long>(gather_.count()) * 1000};
       if (gather_.count() > 0 && ppoll(&fds[1], 1, &gather, nullptr) > 0) return;
     }
   }
 
+  /// Wakes the handling thread once for all of them; while messages wait, it has been woken already. Returns whether
+  /// more may have arrived.
+  bool receive_some() {
+    bool more = false, is_news = false;
+    {
+      const std::scoped_lock lock(queue_mutex_);
+      const bool was_empty = queue_.empty();
+      more = socket_->receive([this](const BusSocket::Message& message) { arrived(message); });
+      is_news = was_empty && !queue_.empty();
+    }
+    if (is_news) wake();
+    return more;
+  }
+
   void arrived(const BusSocket::Message& message) {
-    const std::scoped_lock lock(queue_mutex_);
     for (const auto& subscription : subscriptions_) {
       if (subscription->wants(message.channel)) enqueue(*subscription, message);
     }
@@ -261,7 +274,6 @@ class LcmBus::Impl {
         {&subscription, std::string(message.channel), message.utime, {message.bytes.begin(), message.bytes.end()}});
     ++subscription.queued;
     subscription.queued_bytes += message.bytes.size();
-    if (queue_.size() == 1) wake();  // otherwise the handling thread has been woken already, and takes all messages
   }
 
   static void leaves(const Message& message) {
