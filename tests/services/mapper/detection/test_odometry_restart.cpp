@@ -40,7 +40,8 @@ TEST(OdometryRestart, IsNoneWhereOdometryIsSlow) {
   }
 }
 
-/// What the mapper says after 4 s in which odometry turned by 2.5 degrees at once, and was silent before that.
+/// What the mapper says after 4 s in which odometry turned by 2.5 degrees at once, and had been silent for so many s
+/// half a second before.
 std::vector<std::string> faults_after(double silent) {
   constexpr double kJump = 2.0;  // s
   LocalBus bus;
@@ -53,7 +54,7 @@ std::vector<std::string> faults_after(double silent) {
   double sent = -0.1;
   for (int n = 0; n < 80; ++n) {
     for (; sent < (n + 1) * test::kPeriod + 0.02; sent += 0.01) {
-      if (sent > kJump - silent && sent < kJump) continue;
+      if (sent > kJump - 0.5 - silent && sent < kJump - 0.5) continue;
       odometry_t m{};
       m.utime = test::utime(sent);
       m.flags = odometry_t::INITIALISED;
