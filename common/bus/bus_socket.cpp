@@ -156,7 +156,7 @@ void BusSocket::pass_all() {
   dropped_before_ = dropped_;
 }
 
-void BusSocket::receive(const Handler& handler) {
+bool BusSocket::receive(const Handler& handler) {
   note_drops(false);
   batch_->prepare();
   const int count = recvmmsg(fd_, batch_->headers.data(), kDatagrams, MSG_DONTWAIT, nullptr);
@@ -177,6 +177,7 @@ void BusSocket::receive(const Handler& handler) {
              utime,
              ntohs(batch_->senders[i].sin_port)});
   }
+  return count == static_cast<int>(kDatagrams);
 }
 
 void BusSocket::take_fragment(std::uint64_t sender, std::span<const std::uint8_t> datagram, std::int64_t utime,

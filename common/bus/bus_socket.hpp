@@ -51,9 +51,9 @@ class BusSocket {
 
   /// For poll().
   [[nodiscard]] int fd() const { return fd_; }
-  /// Passes the datagrams that have arrived, at most 32, to `handler`. The data is valid until the handler returns. One
-  /// thread.
-  void receive(const Handler& handler);
+  /// Passes the datagrams that have arrived, at most 32, to `handler`. The data is valid until the handler returns.
+  /// Returns whether more may have arrived. One thread.
+  bool receive(const Handler& handler);
 
   /// Datagrams that found the receive buffer full. Any thread. Exact if called once a second. The kernel counts such
   /// drops per socket only together with the datagrams that the filter discards; it counts them separately only for all

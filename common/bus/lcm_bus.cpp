@@ -94,6 +94,8 @@ class LcmBus::Impl {
     if (socket_) socket_->pass_all();
   }
 
+  void gather(std::chrono::microseconds time) { gather_ = time; }
+
   void receive_large(std::vector<std::string> channels) { large_channels_ = std::move(channels); }
 
   bool handle(std::chrono::milliseconds timeout) {
@@ -233,12 +235,27 @@ class LcmBus::Impl {
     while (true) {
       if (poll(fds, 2, -1) < 0) continue;
       if (fds[1].revents != 0) return;
-      socket_->receive([this](const BusSocket::Message& message) { arrived(message); });
+      if (receive_some()) continue;
+      const timespec gather{0, static_cast<long>(gather_.count()) * 1000};
+      if (gather_.count() > 0 && ppoll(&fds[1], 1, &gather, nullptr) > 0) return;
     }
   }
 
+  /// Wakes the handling thread once for all of them; while messages wait, it has been woken already. Returns whether
+  /// more may have arrived.
+  bool receive_some() {
+    bool more = false, is_news = false;
+    {
+      const std::scoped_lock lock(queue_mutex_);
+      const bool was_empty = queue_.empty();
+      more = socket_->receive([this](const BusSocket::Message& message) { arrived(message); });
+      is_news = was_empty && !queue_.empty();
+    }
+    if (is_news) wake();
+    return more;
+  }
+
   void arrived(const BusSocket::Message& message) {
-    const std::scoped_lock lock(queue_mutex_);
     for (const auto& subscription : subscriptions_) {
       if (subscription->wants(message.channel)) enqueue(*subscription, message);
     }
@@ -257,7 +274,6 @@ class LcmBus::Impl {
         {&subscription, std::string(message.channel), message.utime, {message.bytes.begin(), message.bytes.end()}});
     ++subscription.queued;
     subscription.queued_bytes += message.bytes.size();
-    if (queue_.size() == 1) wake();  // otherwise the handling thread has been woken already, and takes all messages
   }
 
   static void leaves(const Message& message) {
@@ -278,6 +294,7 @@ class LcmBus::Impl {
   int stop_fd_ = -1;
   mutable std::optional<BusSocket> socket_;
   std::vector<std::string> large_channels_;
+  std::chrono::microseconds gather_{0};
   bool has_tap_ = false;
   SubscriptionId last_id_ = 0;
   std::mutex queue_mutex_;  // guards the two members below
@@ -316,6 +333,9 @@ void LcmBus::tap(Tap tap, QueueLimit limit, const std::string& except) {
 }
 void LcmBus::receive_large(std::vector<std::string> channels) {
   impl_->receive_large(std::move(channels));
+}
+void LcmBus::gather(std::chrono::microseconds time) {
+  impl_->gather(time);
 }
 SubscriptionId LcmBus::subscribe_bytes(const std::string& channel, BytesHandler handler, QueueLimit limit) {
   return impl_->subscribe(channel, std::move(handler), limit);

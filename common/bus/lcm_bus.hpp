@@ -38,6 +38,10 @@ class LcmBus final : public Publisher, public Subscriber, public Tappable {
   /// FragmentAssembler. `refused.fragment` and `dropped.large` count fragments and messages that did not become whole.
   /// Call it before the first subscription. Only UDP multicast needs this; other buses have no such limit.
   void receive_large(std::vector<std::string> channels);
+  /// After messages have come, those that follow within this time are taken together: each that comes alone wakes two
+  /// threads, and its sender pays for waking them. The first after a pause does not wait. To be called before the first
+  /// subscription; less than a second. 0, the default: each as it comes.
+  void gather(std::chrono::microseconds time);
 
   /// For poll(): readable when handle() has work. Call handle(0) then.
   [[nodiscard]] int fd() const;

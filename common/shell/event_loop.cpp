@@ -58,10 +58,16 @@ void EventLoop::run() {
   bool may_idle = true;
   std::vector<pollfd> fds;
   while (running_) {
+    const bool works = may_idle && idle_;
+    const std::int64_t gathers_for = works ? 0 : gather_until_ - steady_clock();
     fds.assign(1, {signal_fd_, POLLIN, 0});
-    for (const Watch& watch : watches_) fds.push_back({watch.fd, watch.events, 0});
-    const std::int64_t longest_us = may_idle && idle_ ? 0 : until_next_timer();
-    if (poll(fds.data(), fds.size(), static_cast<int>((longest_us + 999) / 1000)) < 0 && errno != EINTR) {
+    if (gathers_for <= 0) {
+      for (const Watch& watch : watches_) fds.push_back({watch.fd, watch.events, 0});
+    }
+    std::int64_t longest_us = works ? 0 : until_next_timer();
+    if (gathers_for > 0) longest_us = std::min(longest_us, gathers_for);
+    const timespec longest{longest_us / 1'000'000, longest_us % 1'000'000 * 1000};
+    if (ppoll(fds.data(), fds.size(), &longest, nullptr) < 0 && errno != EINTR) {
       throw std::system_error(errno, std::generic_category(), "poll");
     }
     if (fds[0].revents != 0) return take_signal();
@@ -71,6 +77,7 @@ void EventLoop::run() {
       was_idle = false;
       call_handler(fds[i].fd, fds[i].events);
     }
+    if (!was_idle) gather_until_ = steady_clock() + gather_.count();
     if (run_due_timers()) was_idle = false;
     may_idle = !was_idle || (may_idle && idle_ && idle_());
   }

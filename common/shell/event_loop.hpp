@@ -33,6 +33,10 @@ class EventLoop {
   /// next event.
   void when_idle(std::function<bool()> task) { idle_ = std::move(task); }
 
+  /// Once something was readable and idle work is done, file descriptors are looked at again only after this time: what
+  /// comes at a high rate is handled several at a time. Timers and signals do not wait. 0, the default: not at all.
+  void gather(std::chrono::microseconds time) { gather_ = time; }
+
   /// Runs until stop() or a signal.
   void run();
   void stop() { running_ = false; }
@@ -56,6 +60,8 @@ class EventLoop {
   std::vector<Watch> watches_;
   std::vector<Timer> timers_;
   std::function<bool()> idle_;
+  std::chrono::microseconds gather_{0};
+  std::int64_t gather_until_ = 0;  // us, steady
   int signal_fd_ = -1;
   bool running_ = false;
 };

@@ -42,10 +42,11 @@ service_config_t config_message(const std::string& name, const std::string& sect
 }
 
 void run(service_config_t config, const std::string& url, const std::string& hash, int nice,
-         const std::function<std::unique_ptr<Node>(ServiceContext&)>& make) {
+         std::chrono::microseconds gather, const std::function<std::unique_ptr<Node>(ServiceContext&)>& make) {
   if (nice != 0) set_niceness(nice);
   EventLoop loop;
   LcmBus bus(url);
+  bus.gather(gather);
   ServiceContext context{config.service, bus.url(), bus, bus, loop, [&bus](std::vector<std::string> channels) {
                            bus.receive_large(std::move(channels));
                          }};
@@ -123,7 +124,7 @@ int run_service(int argc, char** argv, const ServiceOptions& options, AnyConfig&
     return 2;
   }
   try {
-    run(config_message(name, section, config), url, config_hash(section, config), nice, make);
+    run(config_message(name, section, config), url, config_hash(section, config), nice, options.gather, make);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}: {}\n", section, error.what());
     return 1;

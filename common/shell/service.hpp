@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -28,6 +29,7 @@ struct ServiceOptions {
   std::string section;      ///< section of the vehicle's file, and the name on the bus unless --name gives another
   SectionNames sections;    ///< all sections that the file may have: see load_config()
   std::string description;  ///< one line, for --help
+  std::chrono::microseconds gather = std::chrono::milliseconds(2);  ///< LcmBus::gather()
 };
 
 /// Runs a node as a process until SIGINT or SIGTERM: parses the command line (--config FILE, --set KEY=VALUE, --lcm-url

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common/bus/levels.hpp"
+#include "common/bus/sequence_number.hpp"
 
 namespace curbstone::encoder {
 
@@ -27,7 +28,7 @@ void WheelsOutput::publish(wheels_t& message, std::int64_t now) {
     return;
   }
   last_utime_ = message.utime;
-  message.sequence = sequence_++;
+  message.sequence = std::exchange(sequence_, next_sequence_number(sequence_));
   bus_.publish("WHEELS", message);
   counters_.add("samples");
   latency_.add(static_cast<double>(now - message.utime) * 1e-6);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/bus/levels.hpp"
+#include "common/bus/sequence_number.hpp"
 #include "common/time/microseconds.hpp"
 #include "drivers/imu/auto_device.hpp"
 #include "drivers/imu/witmotion/wit_device.hpp"
@@ -95,7 +96,7 @@ void ImuNode::stamp_untimed(std::int64_t receive_utime) {
 }
 
 void ImuNode::use(const device::ImuSample& sample, HostTime at) {
-  sequence_ += 1 + sample.missing;
+  sequence_ = next_sequence_number(sequence_, std::int64_t{1} + sample.missing);
   last_sample_ = sample.received;
 
   if (sample.self_test_passed) self_test_failed_ = !*sample.self_test_passed;

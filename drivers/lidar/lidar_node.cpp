@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/bus/levels.hpp"
+#include "common/bus/sequence_number.hpp"
 #include "common/time/microseconds.hpp"
 #include "drivers/lidar/angles_file.hpp"
 
@@ -163,7 +164,7 @@ void LidarNode::send(decoding::PendingPacket& packet) {
   not_sent_.add(packet.received, health_.is_silent() ? step.lost - packet.refused_before : 0);
   message_.revolution = config_.split_packets == 0 ? step.revolution : scan_of_count();
   message_.utime = packet.utime;
-  message_.packet = message_.packet < 0 ? 0 : next_packet_number(message_.packet);
+  message_.packet = message_.packet < 0 ? 0 : next_sequence_number(message_.packet);
   message_.num_points = static_cast<std::int32_t>(points.x.size());
   // The vectors are swapped between packet and message, so they are allocated only once.
   message_.x.swap(points.x);
@@ -189,7 +190,7 @@ std::int32_t LidarNode::scan_of_count() {
   if (message_.packet < 0) return 0;
   if (++in_scan_ < config_.split_packets) return message_.revolution;
   in_scan_ = 0;
-  return next_packet_number(message_.revolution);
+  return next_sequence_number(message_.revolution);
 }
 
 void LidarNode::publish_raw(std::int64_t received, int port, std::span<const std::uint8_t> bytes) {

@@ -25,11 +25,6 @@
 
 namespace curbstone::lidar {
 
-/// Number of the packet after this one: lidar_points_t.packet.
-[[nodiscard]] constexpr std::int32_t next_packet_number(std::int32_t number) {
-  return static_cast<std::int32_t>((static_cast<std::uint32_t>(number) + 1) & 0x7FFFFFFF);
-}
-
 /// Converts a LiDAR's packets to LIDAR_POINTS (and LIDAR_RAW on request): one message per packet. The output is a
 /// function of the packets, their times of receipt and of whether the host's clock is synchronised. One thread. A
 /// packet that cannot be used is counted by cause. The newest messages are kept, and resent to a subscriber that lost

@@ -14,6 +14,9 @@ namespace curbstone::lidar {
 
 namespace {
 
+/// Two packets of a spinning LiDAR, whose stamps are the kernel's: to be woken for each costs more than to decode it.
+constexpr std::chrono::microseconds kGather(2000);
+
 class NetworkFeed final : public PacketFeed {
  public:
   NetworkFeed(const LidarConfig& config, LidarNode& node, EventLoop& loop)
@@ -21,6 +24,7 @@ class NetworkFeed final : public PacketFeed {
         ports_(ports_of(config)),
         node_(node),
         loop_(loop) {
+    loop_.gather(kGather);
     try_to_open();
     if (!open_) loop_.every(std::chrono::milliseconds(50), [this] { try_again(); });
     loop_.every(std::chrono::milliseconds(100), [this] { node_.set_sender_fault(sender_.fault(wall_clock())); });

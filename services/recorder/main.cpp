@@ -7,7 +7,8 @@ using namespace curbstone;
 
 int main(int argc, char** argv) {
   return run_service<recorder::RecorderConfig>(
-      argc, argv, {"recorder", kProcessSections, "Writes everything on the bus to an LCM log"},
+      argc, argv,
+      {"recorder", kProcessSections, "Writes everything on the bus to an LCM log", std::chrono::milliseconds(20)},
       [](const recorder::RecorderConfig& config, ServiceContext& context) -> std::unique_ptr<Node> {
         context.receive_large(config.large());
         return std::make_unique<recorder::RecorderNode>(config, context.everything, wall_clock());

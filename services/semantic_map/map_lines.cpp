@@ -130,11 +130,13 @@ std::vector<tile::CurbLine> link_and_bridge_curbs(const std::vector<curb_lines::
 
 std::vector<tile::MarkingLine> link_road_markings(std::vector<marking_lines::MapMarkingCell> cells,
                                                   const Kerbstones& kerbs, const tile::DrivenPath& path,
-                                                  const markings::MarkingParameters& parameters) {
+                                                  const markings::MarkingParameters& parameters,
+                                                  const TileLookup& tiles) {
   for (marking_lines::MapMarkingCell& cell : cells) {
     if (cell.is_bright && kerbs.contains(cell.at)) cell.is_bright = cell.is_strong = false;
   }
-  std::vector<tile::MarkingLine> lines = marking_lines::link_marking_cells(cells, path, parameters);
+  std::vector<tile::MarkingLine> lines = marking_lines::link_marking_cells(
+      cells, path, parameters, [&](const Eigen::Vector2d& at) { return ground_at(tiles, at).has_value(); });
   std::erase_if(lines, [&](const tile::MarkingLine& line) { return is_beyond_kerb(line, kerbs, path); });
   for (std::size_t i = 0; i < lines.size(); ++i) lines[i].id = static_cast<std::int32_t>(i);
   return lines;
@@ -148,7 +150,8 @@ std::vector<tile::CurbLine> all_curbs(const pipeline::TilePipeline& pipeline) {
 std::vector<tile::MarkingLine> all_markings(const pipeline::TilePipeline& pipeline,
                                             const std::vector<tile::CurbLine>& curbs, const tile::DrivenPath& path,
                                             const markings::MarkingParameters& parameters) {
-  return link_road_markings(marking_cells_in(everything(), pipeline), Kerbstones(curbs), path, parameters);
+  return link_road_markings(marking_cells_in(everything(), pipeline), Kerbstones(curbs), path, parameters,
+                            [&](TileKey key) { return pipeline.classes(key); });
 }
 
 LineTile line_tile(TileKey key, const pipeline::TilePipeline& pipeline) {
@@ -177,11 +180,13 @@ tile::MapLines link(const MapLineSources& sources) {
     append_marking_cells(key, everything(), *tile.markings, cells);
   }
   tile::MapLines lines;
-  lines.curbs = link_and_bridge_curbs(points, [&](TileKey key) {
+  const auto classes = [&](TileKey key) {
     const auto it = sources.tiles.find(key);
     return it == sources.tiles.end() ? nullptr : it->second.classes;
-  });
-  lines.markings = link_road_markings(std::move(cells), Kerbstones(lines.curbs), sources.path, sources.markings);
+  };
+  lines.curbs = link_and_bridge_curbs(points, classes);
+  lines.markings =
+      link_road_markings(std::move(cells), Kerbstones(lines.curbs), sources.path, sources.markings, classes);
   if (sources.before) {
     const auto only_before = [&](TileKey key) {
       return sources.before->tiles.contains(key) && !sources.tiles.contains(key);

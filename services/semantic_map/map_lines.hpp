@@ -36,10 +36,11 @@ using TileLookup = std::function<std::shared_ptr<const tile::MapTile>(TileKey ke
                                                                 const TileLookup& tiles);
 /// Links the road markings, from the cells that are not on kerbstones (marking_lines::link_marking_cells()). Lines
 /// beyond a raised kerb, seen from the path, are left out: yards and lawns have bright strips, too. Beyond a lowered or
-/// flush kerb, only long lines and crossings are kept.
+/// flush kerb, only long lines and crossings are kept. `tiles` say where ground was seen.
 [[nodiscard]] std::vector<tile::MarkingLine> link_road_markings(std::vector<marking_lines::MapMarkingCell> cells,
                                                                 const Kerbstones& kerbs, const tile::DrivenPath& path,
-                                                                const markings::MarkingParameters& parameters);
+                                                                const markings::MarkingParameters& parameters,
+                                                                const TileLookup& tiles);
 
 /// The curb lines of the whole map.
 [[nodiscard]] std::vector<tile::CurbLine> all_curbs(const pipeline::TilePipeline& pipeline);

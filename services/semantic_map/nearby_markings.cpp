@@ -27,7 +27,8 @@ marking_lines_t NearbyMarkings::next(const pipeline::TilePipeline& pipeline, con
   const auto lines_about = [&] {
     const double reach = range + kBeyondBox;
     const MapBox box(vehicle.array() - reach, vehicle.array() + reach);
-    const auto linked = link_road_markings(marking_cells_in(box, pipeline), kerbs, path, parameters_);
+    const auto linked = link_road_markings(marking_cells_in(box, pipeline), kerbs, path, parameters_,
+                                           [&](TileKey key) { return pipeline.classes(key); });
     return marking_lines::clip_lines(linked, vehicle.array() - range, vehicle.array() + range);
   };
   std::vector<tile::MarkingLine> lines = lines_about();

@@ -57,7 +57,7 @@ class Viewer final : public Node {
 
 int main(int argc, char** argv) {
   return run_service<viewer::ViewerConfig>(
-      argc, argv, {"viewer", kProcessSections, "Shows the live map in a browser"},
+      argc, argv, {"viewer", kProcessSections, "Shows the live map in a browser", std::chrono::milliseconds(10)},
       [](const viewer::ViewerConfig& config, ServiceContext& context) -> std::unique_ptr<Node> {
         return std::make_unique<Viewer>(config, context.bus);
       });

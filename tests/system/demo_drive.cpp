@@ -58,7 +58,7 @@ double agreement(const std::string& map_file, const std::string& other_map_file)
   return known == 0 ? 0.0 : static_cast<double>(same) / known;
 }
 
-DemoDrive::DemoDrive(const std::string& source, const std::string& deputy_options) {
+DemoDrive::DemoDrive(const std::string& source, const std::string& deputy_options, const DemoDevices& devices) {
   const auto driven = [](const map_pose_t& m) {
     return std::hypot(m.map_base_position[0], m.map_base_position[1], m.map_base_position[2]);
   };
@@ -74,10 +74,11 @@ DemoDrive::DemoDrive(const std::string& source, const std::string& deputy_option
     driven_until_seen = then != driven_.end() ? then->second : driven_until_first_tile;
   });
   setenv("DEMO_OUT", folder_.path().c_str(), 1);
-  setenv("DEMO_SOURCE", source.c_str(), 1);
-  setenv("DEMO_IMU", "", 1);
-  setenv("DEMO_ENCODER", "", 1);
-  setenv("DEMO_LIDAR", "", 1);
+  const auto set = [](const char* name, const std::string& value) { setenv(name, value.c_str(), 1); };
+  set("DEMO_SOURCE", source + " --imu " + devices.imu + " --encoder " + devices.encoder + " --lidar " + devices.lidar);
+  set("DEMO_IMU", "--set model=" + devices.imu);
+  set("DEMO_ENCODER", devices.encoder == "modbus" ? "--set interface=modbus_rtu" : "");
+  set("DEMO_LIDAR", "--set model=" + devices.lidar + " --set msop_port=0 --set difop_port=0");
   setenv("DEMO_VIEWER", "--set port=0", 1);
   setenv("CURBSTONE_CONFIG", test::source_path("config/ugv.yaml").c_str(), 1);
   deputy_ = std::make_unique<BackgroundProgram>("curbstone-deputy --config " + test::source_path("procman/demo.cfg") +

@@ -26,11 +26,19 @@ struct MapContent {
 /// Share of the cells that either map knows in which both have the same class, 0..1.
 [[nodiscard]] double agreement(const std::string& map_file, const std::string& other_map_file);
 
+/// What the emulated vehicle carries, by the names that scripts/demo takes.
+struct DemoDevices {
+  std::string imu = "xsens";
+  std::string encoder = "can";
+  std::string lidar = "rs16";
+};
+
 /// The real processes of procman/demo.cfg under the deputy, driven by the emulated vehicle in real time over UDP.
 class DemoDrive {
  public:
   /// `source`: what the vehicle drives through, as `curbstone simulate` takes it.
-  explicit DemoDrive(const std::string& source, const std::string& deputy_options = "");
+  explicit DemoDrive(const std::string& source, const std::string& deputy_options = "",
+                     const DemoDevices& devices = {});
 
   /// Until the mapper has registered `revolutions` revolutions; false when that does not come.
   bool wait_for_scans(int revolutions);

@@ -78,6 +78,27 @@ TEST(Drive, OfTheRealProcessesEndsWithAStreetWithCurbs) {
   EXPECT_THAT(lost, ElementsAre());
 }
 
+/// Each device that scripts/demo offers is on some vehicle.
+class DriveWithOtherDevices : public ::testing::TestWithParam<DemoDevices> {};
+
+TEST_P(DriveWithOtherDevices, EndsWithAStreetWithCurbsAndNoFault) {
+  DemoDrive drive("--town --seed 1 --seconds 12", "", GetParam());
+  ASSERT_TRUE(drive.wait_for_scans(100)) << drive.output();
+  std::map<std::string, std::string> unwell;
+  const bool all_well = drive.bus.wait_until([&] { return (unwell = drive.unwell(kServices)).empty(); }, 20);
+  EXPECT_EQ(drive.wait_for_end(), 0) << drive.output();
+  expect_a_street(drive.map());
+  EXPECT_GT(drive.pose.map_base_position[0], 10.0) << "it has driven down the street";
+  const std::string spoiled = drive.spoiled_by();
+  if (!spoiled.empty() && !all_well) GTEST_SKIP() << spoiled << "; " << ::testing::PrintToString(unwell);
+  EXPECT_TRUE(all_well) << ::testing::PrintToString(unwell);
+}
+INSTANTIATE_TEST_SUITE_P(On, DriveWithOtherDevices,
+                         ::testing::Values(DemoDevices{.encoder = "modbus", .lidar = "helios16p"},
+                                           DemoDevices{.lidar = "vlp16"},
+                                           DemoDevices{.imu = "witmotion", .lidar = "helios32"}),
+                         [](const auto& devices) { return devices.param.lidar; });
+
 TEST(Drive, AVotingWorkerKilledMidDriveComesBackAndTheMapConverges) {
   DemoDrive drive("--town --seed 1 --seconds 12", "--settle 15");
   ASSERT_TRUE(drive.wait_for_scans(120)) << drive.output();

@@ -1,7 +1,6 @@
 #include "drivers/encoder/modbus/modbus_client.hpp"
 
 #include <fmt/format.h>
-#include <linux/serial.h>
 #include <modbus.h>
 #include <poll.h>
 #include <sys/ioctl.h>
@@ -17,14 +16,6 @@ namespace {
 
 constexpr std::int64_t kByteTimeout = 20'000;  // us, between two bytes of a reply
 constexpr int kQuiet = 10;                     // ms without a byte, after which late bytes have arrived
-
-/// A USB adapter may hold bytes back for 16 ms to send them together. Not every port supports the request.
-void ask_for_low_latency(int fd) {
-  serial_struct serial{};
-  if (ioctl(fd, TIOCGSERIAL, &serial) != 0) return;
-  serial.flags |= static_cast<int>(ASYNC_LOW_LATENCY);
-  (void)ioctl(fd, TIOCSSERIAL, &serial);
-}
 
 Outcome outcome_of(int error) {
   switch (error) {
@@ -81,7 +72,7 @@ std::string ModbusClient::open() {
   if (!settings_.tcp) {
     const int fd = modbus_get_socket(context.get());
     if (ioctl(fd, TIOCEXCL) != 0) return failed();
-    ask_for_low_latency(fd);
+    low_latency_ = serial::request_low_latency(fd, settings_.device);
   }
   modbus_flush(context.get());
   context_ = std::move(context);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "drivers/encoder/modbus/zlac_registers.hpp"
+#include "drivers/serial/low_latency.hpp"
 
 struct _modbus;  // libmodbus' context
 
@@ -57,6 +58,8 @@ class ModbusClient {
   [[nodiscard]] std::string open();
   void close();
   [[nodiscard]] bool is_open() const { return context_ != nullptr; }
+  /// Of the serial port, as granted when it was opened last.
+  [[nodiscard]] const serial::LowLatency& low_latency() const { return low_latency_; }
 
   /// `registers` is filled if the outcome is kOk; its size is that of the block.
   [[nodiscard]] Reply read(const Block& block, std::span<std::uint16_t> registers);
@@ -73,6 +76,7 @@ class ModbusClient {
 
   ModbusSettings settings_;
   std::unique_ptr<_modbus, Free> context_;
+  serial::LowLatency low_latency_;
 };
 
 }  // namespace curbstone::encoder::modbus

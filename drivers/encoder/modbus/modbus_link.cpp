@@ -13,6 +13,7 @@
 #include <system_error>
 #include <utility>
 
+#include "common/bus/levels.hpp"
 #include "common/time/clock.hpp"
 
 namespace curbstone::encoder::modbus {
@@ -123,6 +124,9 @@ void ModbusLink::share_report() {
   const std::lock_guard lock(mutex_);
   counters_ = poll_.counters();
   counters_.set("modbus.openings", openings_);
+  if (!settings_.tcp && openings_ > 0)
+    set_level(counters_, "serial.low_latency", client_.low_latency().granted ? 1 : 0);
+  if (const auto timer = client_.low_latency().timer_ms) set_level(counters_, "serial.latency_timer_ms", *timer);
   fault_ = poll_.fault();
   share_fault_ = poll_.share().fault();
 }

@@ -22,7 +22,8 @@ namespace curbstone::encoder::modbus {
 /// it has vanished or nothing useful is received, with a back-off from 0.1 s to 1 s. A port that is missing at the
 /// start is a fault like one that vanishes later. The destructor ends the thread within about three time-outs.
 ///
-/// Counts: those of DrivePoll, modbus.openings, dropped.queue (readings that the loop did not take in time).
+/// Counts: those of DrivePoll, modbus.openings, serial.low_latency, serial.latency_timer_ms (levels), dropped.queue
+/// (readings that the loop did not take in time).
 class ModbusLink {
  public:
   struct Handlers {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "services/semantic_map/marking_lines/crossings.hpp"
+#include "services/semantic_map/marking_lines/line_types.hpp"
 #include "services/semantic_map/marking_lines/marking_chains.hpp"
 #include "services/semantic_map/marking_lines/marking_pieces.hpp"
 #include "services/semantic_map/marking_lines/piece_sequences.hpp"
@@ -26,7 +27,8 @@ TileKey place_of(const tile::MarkingVertex& v) {
 
 std::vector<tile::MarkingLine> link_marking_cells(const std::vector<MapMarkingCell>& cells,
                                                   const tile::DrivenPath& path,
-                                                  const markings::MarkingParameters& parameters) {
+                                                  const markings::MarkingParameters& parameters,
+                                                  const SeenGround& is_seen) {
   const MarkingField field(cells);
   std::vector<MarkingPiece> pieces;
   for (const MarkingChain& chain : chain_markings(field, {parameters.vote})) {
@@ -36,8 +38,10 @@ std::vector<tile::MarkingLine> link_marking_cells(const std::vector<MapMarkingCe
   const std::vector<tile::MarkingLine> crossings = extract_crossings(pieces);
   std::vector<tile::MarkingLine> lines = crossings;
   for (const PieceSequence& sequence : join_pieces(pieces, crossings)) {
-    if (sequence.size() == 1 && sequence.front().length() < kShortestAlone) continue;
-    lines.push_back(line_of(sequence, path));
+    for (const TypedSequence& part : type_sequence(sequence, path, is_seen)) {
+      if (part.pieces.size() == 1 && part.pieces.front().length() < kShortestAlone) continue;
+      lines.push_back(line_of(part.pieces, part.type));
+    }
   }
   for (std::size_t i = 0; i < lines.size(); ++i) lines[i].id = static_cast<std::int32_t>(i);
   return lines;

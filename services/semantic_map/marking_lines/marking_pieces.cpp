@@ -1,6 +1,7 @@
 #include "services/semantic_map/marking_lines/marking_pieces.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace curbstone::semantic_map::marking_lines {
@@ -119,6 +120,33 @@ std::optional<double> ground_beside(const std::vector<AlongCell>& cells, double 
   return std::nullopt;
 }
 
+/// How broad is what is bright about the middle of a piece, m: to where it is half as bright, by the
+/// brightness of the cells, since within a broad patch the ground around is the patch.
+double full_width(const std::vector<AlongCell>& cells, double last, double contrast, double level) {
+  struct Sum {
+    double brightness = 0, count = 0;
+  };
+  constexpr int kMost = static_cast<int>(kSides / kCellSize);
+  std::array<Sum, 2 * kMost + 1> across{};
+  for (const AlongCell& cell : cells) {
+    const auto k = static_cast<int>(std::lround(cell.across / kCellSize));
+    if (cell.s < 0 || cell.s > last || std::abs(k) > kMost) continue;
+    Sum& sum = across[static_cast<std::size_t>(k + kMost)];
+    sum.brightness += (cell.contrast + cell.level - level) * cell.count;
+    sum.count += cell.count;
+  }
+  double width = 0;
+  const auto add = [&](int k) {
+    const Sum& sum = across[static_cast<std::size_t>(k + kMost)];
+    const double share = sum.count > 0 ? sum.brightness / sum.count / contrast : 0;
+    if (share >= 0.5) width += kCellSize * std::min(1.0, share);
+    return share >= 0.5;
+  };
+  for (int k = 0; k <= kMost && add(k);) ++k;
+  for (int k = -1; k >= -kMost && add(k);) --k;
+  return width;
+}
+
 double quantile_of(std::vector<double> values, double share) {
   if (values.empty()) return 0;
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
@@ -217,11 +245,13 @@ std::optional<MarkingPiece> measure_piece(const MarkingField& field, const Marki
                        tar_along(around, last, half_width, -1, paint.level));
   piece.left = ground_beside(around, last, half_width, 1, paint.level);
   piece.right = ground_beside(around, last, half_width, -1, paint.level);
+  piece.full_width = full_width(around, last, piece.contrast, paint.level);
   return piece;
 }
 
 bool is_paint(const MarkingPiece& piece, const markings::MarkingParameters& parameters) {
-  const double broad = std::clamp(piece.width / kLineWidth, 1.0, kBroadest / kLineWidth);
+  const double broad =
+      std::max(std::clamp(piece.width / kLineWidth, 1.0, kBroadest / kLineWidth), piece.full_width / kLineWidth);
   const double mended = broad > 1 && piece.tar > kSeam ? kMended : 1;
   if (piece.contrast < mended * broad * parameters.min_contrast) return false;
   const double most = parameters.side_share * piece.contrast;

@@ -28,20 +28,6 @@ constexpr double kAlikeEnds = 0.94;  // cosine between an end's direction and th
 constexpr double kWidthAlike = 2.2;
 constexpr double kVertexSpacing = 0.20;  // m between vertices
 constexpr double kGapSpacing = 1.0;      // m between vertices where there is no paint
-constexpr double kSolid = 4.2;           // m: a longer piece is not a dash
-constexpr double kShortSolid = 3.0;      // m: a line of pieces with holes
-constexpr double kHole = 0.6;            // m: in a line that is worn
-constexpr double kWornShare = 0.8;       // painted, of a line that is worn
-constexpr double kDashUneven = 0.4;      // of the median
-constexpr double kDashOfGap = 2.2;       // longest dash, in lengths of its gaps: with longer ones the gaps are holes
-constexpr double kLongestDash = 6.5;     // m
-constexpr double kStopWidth = 0.24;      // m
-constexpr double kShortestStop = 1.5;    // m
-constexpr double kLongestStop = 15.0;    // m
-constexpr double kStopReach = 8.0;       // m from the driven path
-constexpr double kStopAcross = 0.5;      // cosine to the path
-constexpr double kBlobLength = 1.5;      // m: shorter and as wide as that is an arrow or a letter
-constexpr double kBlobWidth = 0.3;       // m
 
 // Ends of pieces are numbered as in joints.hpp.
 bool is_first(std::size_t end) {
@@ -65,8 +51,6 @@ double gap_between(const std::vector<MarkingPiece>& pieces, std::size_t a, std::
   const Eigen::Vector2d d = at(pieces, b) - at(pieces, a);
   const double gap = d.norm();
   if (gap > std::min(kLongestGap, kGapOfLength * std::min(p.length(), q.length()))) return kNone;
-  // A solid line goes over into a dashed one.
-  if ((p.length() > kLongestDash) != (q.length() > kLongestDash) && gap > kHole) return kNone;
   if (std::max(p.width, q.width) > kWidthAlike * std::min(p.width, q.width)) return kNone;
   const Eigen::Vector2d& from = out(pieces, a);
   const Eigen::Vector2d& to = out(pieces, b);
@@ -87,50 +71,6 @@ MarkingPiece reversed(MarkingPiece piece) {
   std::swap(piece.begin_direction, piece.end_direction);
   std::tie(piece.begin, piece.end) = std::tuple(last - piece.end, last - piece.begin);
   return piece;
-}
-
-bool is_uniform(const std::vector<double>& values) {
-  const double median = median_of(values);
-  const auto alike = std::count_if(values.begin(), values.end(),
-                                   [&](double v) { return std::abs(v - median) <= kDashUneven * median; });
-  return 3 * static_cast<std::size_t>(alike) >= 2 * values.size();
-}
-
-/// Whether dashes and gaps repeat. Of many dashes the first and last are ignored, for the line may be cut off there.
-bool are_periodic(const std::vector<double>& dashes, const std::vector<double>& gaps) {
-  const std::vector<double> inner =
-      dashes.size() > 3 ? std::vector<double>(dashes.begin() + 1, dashes.end() - 1) : dashes;
-  return is_uniform(inner) && is_uniform(gaps);
-}
-
-bool lies_across(const MarkingPiece& piece, const tile::DrivenPath& path) {
-  const auto way = path.direction_near(piece.middle(), kStopReach);
-  return way && std::abs(way->dot(piece.direction())) < kStopAcross;
-}
-
-/// The type of a sequence of pieces, from lengths and gaps (m).
-MarkingType type_of(const PieceSequence& sequence, const std::vector<double>& dashes, const std::vector<double>& gaps,
-                    const tile::DrivenPath& path) {
-  const MarkingPiece& piece = sequence.front();
-  const double painted = std::accumulate(dashes.begin(), dashes.end(), 0.0);
-  const double open = std::accumulate(gaps.begin(), gaps.end(), 0.0);
-  const double length = painted + open;
-  const double longest = *std::max_element(dashes.begin(), dashes.end());
-  const double longest_gap = gaps.empty() ? 0 : *std::max_element(gaps.begin(), gaps.end());
-  const bool is_whole = painted >= kWornShare * length || longest_gap <= kHole;
-  std::vector<double> widths;
-  for (const MarkingPiece& p : sequence) widths.push_back(p.width);
-  if (is_whole && median_of(widths) >= kStopWidth && length >= kShortestStop && length <= kLongestStop &&
-      lies_across(piece, path))
-    return MarkingType::kStopLine;
-  if (is_whole && length >= (sequence.size() > 1 ? kShortSolid : kSolid)) return MarkingType::kSolid;
-  const bool has_holes = sequence.size() > 1 && median_of(dashes) > kDashOfGap * median_of(gaps);
-  if (sequence.size() > 1 && longest <= kLongestDash && !has_holes && are_periodic(dashes, gaps))
-    return MarkingType::kDashed;
-  if (longest >= kSolid) return MarkingType::kSolid;  // no dash, however much of the line is hidden
-  if (painted >= 0.6 * length && length >= kShortSolid && has_holes) return MarkingType::kSolid;
-  if (sequence.size() == 1 && piece.length() < kBlobLength && piece.width > kBlobWidth) return MarkingType::kOther;
-  return MarkingType::kUnknown;
 }
 
 /// Whether the segment from a to b crosses the bars of a crossing.
@@ -268,7 +208,7 @@ std::vector<PieceSequence> join_pieces(const std::vector<MarkingPiece>& pieces,
   return sequences;
 }
 
-tile::MarkingLine line_of(const PieceSequence& sequence, const tile::DrivenPath& path) {
+tile::MarkingLine line_of(const PieceSequence& sequence, tile::MarkingType type) {
   const auto [painted, samples] = lay_out(sequence);
   std::vector<double> dashes;
   std::vector<double> gaps;
@@ -284,7 +224,7 @@ tile::MarkingLine line_of(const PieceSequence& sequence, const tile::DrivenPath&
   }
   tile::MarkingLine line;
   line.points = vertices_of(SmoothingSpline(samples), painted);
-  line.type = type_of(sequence, dashes, gaps, path);
+  line.type = type;
   line.width = static_cast<float>(median_of(widths));
   if (line.type == MarkingType::kDashed) {
     line.dash = static_cast<float>(median_of(dashes));

@@ -4,10 +4,11 @@
 #include <vector>
 
 #include "services/semantic_map/marking_lines/marking_pieces.hpp"
-#include "services/semantic_map/tile/driven_path.hpp"
 #include "services/semantic_map/tile/map_types.hpp"
 
 namespace curbstone::semantic_map::marking_lines {
+
+inline constexpr double kLongestDash = 6.5;  ///< m
 
 /// Consecutive pieces of one line, each in the line's direction.
 using PieceSequence = std::vector<MarkingPiece>;
@@ -17,9 +18,8 @@ using PieceSequence = std::vector<MarkingPiece>;
 [[nodiscard]] std::vector<PieceSequence> join_pieces(const std::vector<MarkingPiece>& pieces,
                                                      const std::vector<tile::MarkingLine>& crossings);
 
-/// One spline through all pieces; the type follows from dashes and gaps. `path`: as driven, m in map; a stop line lies
-/// across it.
-[[nodiscard]] tile::MarkingLine line_of(const PieceSequence& sequence, const tile::DrivenPath& path);
+/// One spline through all pieces. Length and gap of its dashes are given if it is dashed.
+[[nodiscard]] tile::MarkingLine line_of(const PieceSequence& sequence, tile::MarkingType type);
 
 [[nodiscard]] double median_of(std::vector<double> values);  ///< 0 of none
 [[nodiscard]] tile::MarkingVertex vertex(const Eigen::Vector2d& at, double z, bool painted);

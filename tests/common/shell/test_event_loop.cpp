@@ -78,5 +78,31 @@ TEST(EventLoop, AsksAgainForWhatMayWaitAfterATimer) {
   EXPECT_LE(asked, 4) << "and not all the time";
 }
 
+/// Events that follow each other are handled together, and neither timers nor idle work wait for them.
+TEST(EventLoop, GathersWhatComesAtAHighRate) {
+  EventLoop loop;
+  const int fd = eventfd(1, EFD_NONBLOCK);
+  std::uint64_t events = 0;
+  int times = 0;
+  loop.watch(fd, [&] {
+    std::uint64_t taken = 0;
+    (void)!read(fd, &taken, sizeof taken);
+    events += taken;
+    ++times;
+  });
+  int ticks = 0;
+  loop.every(1ms, [&] {
+    const std::uint64_t one = 1;
+    (void)!write(fd, &one, sizeof one);
+    if (++ticks == 100) loop.stop();
+  });
+  loop.gather(50ms);
+  loop.run();
+  EXPECT_EQ(ticks, 100) << "timers are on time";
+  EXPECT_LE(times, 4);
+  EXPECT_GE(events, 40U);
+  close(fd);
+}
+
 }  // namespace
 }  // namespace curbstone

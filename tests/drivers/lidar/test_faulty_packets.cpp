@@ -286,12 +286,6 @@ TEST(LidarNode, SendsWhatItHoldsWhenNothingComesAnyMore) {
   EXPECT_EQ(bench.points.size(), 1U);
 }
 
-TEST(LidarNode, CountsItsMessagesOnFromZeroWhereTheNumberEnds) {
-  EXPECT_EQ(next_packet_number(0), 1);
-  EXPECT_EQ(next_packet_number(2147483646), 2147483647);
-  EXPECT_EQ(next_packet_number(2147483647), 0);
-}
-
 TEST(LidarNode, SaysThatTheReceiveBufferIsSmallAndHowToMendIt) {
   Bench bench;
   bench.node.set_receive_buffer(4 << 20, 212'992);

@@ -71,6 +71,18 @@ TEST(MarkingPieces, WhatIsBroadAlongASeamMustBeBrighter) {
   EXPECT_TRUE(marking_lines::is_paint(piece, {})) << "a line along the seam of the road's middle";
 }
 
+TEST(MarkingPieces, AStripThatIsBroaderThanAnyMarkingMustBeBrighterStill) {
+  marking_lines::MarkingPiece piece;
+  piece.width = 0.45;  // as it looks against the ground around, which is the strip in part
+  piece.contrast = 35;
+  piece.full_width = 0.5;
+  EXPECT_TRUE(marking_lines::is_paint(piece, {}));
+  piece.full_width = 0.7;
+  EXPECT_FALSE(marking_lines::is_paint(piece, {}));
+  piece.contrast = 60;
+  EXPECT_TRUE(marking_lines::is_paint(piece, {}));
+}
+
 TEST(MarkingPieces, APieceIsPaintIfBothItsSidesAreDarker) {
   marking_lines::MarkingPiece piece;
   piece.width = 0.12;

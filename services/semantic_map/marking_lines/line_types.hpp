@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+#include "services/semantic_map/marking_lines/piece_sequences.hpp"
+#include "services/semantic_map/tile/driven_path.hpp"
+#include "services/semantic_map/tile/map_types.hpp"
+
+namespace curbstone::semantic_map::marking_lines {
+
+/// Whether the ground at a place, m in map, was seen. Not where a parked car hid it. None: all of it was.
+using SeenGround = std::function<bool(const Eigen::Vector2d&)>;
+
+/// A part of a sequence that is one line.
+struct TypedSequence {
+  PieceSequence pieces;
+  tile::MarkingType type = tile::MarkingType::kUnknown;
+};
+
+/// Types a sequence, and cuts it where a solid line goes over into a dashed one. A gap is one of dashes only if dark
+/// ground was seen in it: paint may go on where nothing was seen. `path`: as driven, m in map; a stop line lies across
+/// it.
+[[nodiscard]] std::vector<TypedSequence> type_sequence(const PieceSequence& sequence, const tile::DrivenPath& path,
+                                                       const SeenGround& is_seen);
+
+}  // namespace curbstone::semantic_map::marking_lines
