@@ -6,8 +6,7 @@ namespace curbstone::lidar {
 
 namespace {
 
-constexpr double kSilence = 1.0;      // s without a point packet
-constexpr double kInfoSilence = 5.0;  // s without device information, which is sent one to ten times a second
+constexpr std::int64_t kInfoSilence = 5'000'000;  // us without device information, sent one to ten times a second
 
 }  // namespace
 
@@ -32,16 +31,12 @@ std::string remedy(decoding::Refusal why, const models::ModelTable& model) {
 }
 
 void LidarHealth::Watched::look(std::int64_t count, std::int64_t now) {
-  if (count != seen) grew_at = now;
+  silence.tick(now);
+  if (count != seen) silence.heard();
   seen = count;
 }
 
 void LidarHealth::tick(std::int64_t now) {
-  now_ = now;
-  if (!started_) {
-    used_watch_.grew_at = info_watch_.grew_at = refused_watch_.grew_at = now;
-    started_ = true;
-  }
   used_watch_.look(used_, now);
   info_watch_.look(info_, now);
   refused_watch_.look(refused_, now);
@@ -49,18 +44,18 @@ void LidarHealth::tick(std::int64_t now) {
 
 std::vector<std::string> LidarHealth::faults(const models::Model* model) const {
   std::vector<std::string> faults;
-  const double silent = since(used_watch_.grew_at);
-  if (silent >= kSilence) {
-    const bool garbage = refused_ > 0 && since(refused_watch_.grew_at) < kSilence;
+  if (is_silent()) {
+    const double silent = static_cast<double>(used_watch_.silence.silent()) * 1e-6;
+    const bool garbage = refused_ > 0 && refused_watch_.silence.silent() < kSilence;
     faults.push_back(garbage ? fmt::format("no usable packet for {:.1f} s on port {}: {}", silent, msop_port_, remedy_)
                              : fmt::format("no packets for {:.1f} s on port {}", silent, msop_port_));
-  } else if (since(info_watch_.grew_at) >= kInfoSilence && model != nullptr && model->table().needs_info) {
+  } else if (info_watch_.silence.silent() >= kInfoSilence && model != nullptr && model->table().needs_info) {
     const char* angles = model->facts().angles_known         ? ""
                          : model->table().has_nominal_angles ? ": nominal angles are used"
                                                              : ": no angles, so no points";
     faults.push_back(info_ == 0 ? fmt::format("no device information on port {}{}", difop_port_, angles)
                                 : fmt::format("no device information for {:.0f} s on port {}",
-                                              since(info_watch_.grew_at), difop_port_));
+                                              static_cast<double>(info_watch_.silence.silent()) * 1e-6, difop_port_));
   }
   return faults;
 }

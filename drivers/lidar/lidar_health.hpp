@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/time/silence_timer.hpp"
 #include "drivers/lidar/decoding/refusal.hpp"
 #include "drivers/lidar/models/base/model.hpp"
 
@@ -26,17 +27,20 @@ class LidarHealth {
     remedy_ = remedy;
   }
   void tick(std::int64_t now);
+  /// No point packet has come for a second of ticks: what is missing then was not lost on the way.
+  [[nodiscard]] bool is_silent() const { return used_watch_.silence.silent() >= kSilence; }
   /// `model`: nullptr while it is unknown.
   [[nodiscard]] std::vector<std::string> faults(const models::Model* model) const;
 
  private:
-  /// A count, and the time when it last increased.
+  static constexpr std::int64_t kSilence = 1'000'000;  // us without a point packet
+
+  /// A count, and for how long it has not increased.
   struct Watched {
     std::int64_t seen = 0;
-    std::int64_t grew_at = 0;
+    SilenceTimer silence;
     void look(std::int64_t count, std::int64_t now);
   };
-  [[nodiscard]] double since(std::int64_t time) const { return static_cast<double>(now_ - time) * 1e-6; }
 
   int msop_port_;
   int difop_port_;
@@ -44,8 +48,6 @@ class LidarHealth {
   std::int64_t info_ = 0;
   std::int64_t refused_ = 0;
   std::string remedy_;  ///< of the latest refusal
-  std::int64_t now_ = 0;
-  bool started_ = false;
   Watched used_watch_;
   Watched info_watch_;
   Watched refused_watch_;

@@ -161,6 +161,7 @@ void LidarNode::send(decoding::PendingPacket& packet) {
     return;
   }
   lost_.add(packet.received, step.lost - packet.refused_before);
+  not_sent_.add(packet.received, health_.is_silent() ? step.lost - packet.refused_before : 0);
   message_.revolution = config_.split_packets == 0 ? step.revolution : scan_of_count();
   message_.utime = packet.utime;
   message_.packet = message_.packet < 0 ? 0 : next_sequence_number(message_.packet);
@@ -231,7 +232,8 @@ void LidarNode::tick(std::int64_t now) {
   if (now - second_began_ < kSecond && now >= second_began_) return;
   second_began_ = now;
   host_is_synchronised_ = host_clock_();
-  lost_in_second_ = lost_.total() - std::exchange(lost_before_second_, lost_.total());
+  const std::int64_t lost_on_the_way = lost_.total() - not_sent_.total();
+  lost_in_second_ = lost_on_the_way - std::exchange(lost_on_the_way_, lost_on_the_way);
 }
 
 void LidarNode::finish() {

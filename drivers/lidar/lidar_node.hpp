@@ -92,6 +92,7 @@ class LidarNode final : public Node {
   LidarHealth health_;
   RefusalShare share_;
   LostPackets lost_;
+  LostPackets not_sent_;  // the part of them that the device did not send, as it was silent
   SilentLasers lasers_;
   Counters counters_;
   LatencyWindow latency_;
@@ -100,7 +101,7 @@ class LidarNode final : public Node {
   std::optional<bool> host_is_synchronised_;
   std::int64_t now_ = 0;  ///< us, of the last tick
   std::int64_t second_began_ = 0;
-  std::int64_t lost_before_second_ = 0;
+  std::int64_t lost_on_the_way_ = 0;  // at the last look
   std::int64_t lost_in_second_ = 0;
   int in_scan_ = 0;  ///< packets of the current revolution so far, with split_packets
   bool came_since_tick_ = false;

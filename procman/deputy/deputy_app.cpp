@@ -13,6 +13,7 @@
 #include "common/bus/levels.hpp"
 #include "common/time/clock.hpp"
 #include "common/time/microseconds.hpp"
+#include "common/time/silence_timer.hpp"
 #include "procman/deputy/systemd_notify.hpp"
 
 namespace curbstone::procman::deputy {
@@ -174,7 +175,7 @@ void DeputyApp::on_status(const service_status_t& status) {
   if (status.host != host_name() || std::abs(wall_clock() - std::max<std::int64_t>(status.utime, 0)) > kOldStatus)
     return;
   if (status.service == "deputy:" + options_.id) heartbeats_.on_own_status(steady_clock());
-  heartbeats_.on_status(status.service, status.fault.empty(), steady_clock());
+  heartbeats_.on_status(status.service, status.fault.empty() && status.uptime >= SilenceTimer::kNamed, steady_clock());
 }
 
 void DeputyApp::replace_hung(std::int64_t now) {

@@ -18,7 +18,8 @@ class Heartbeats {
   /// A command was started. It counts as hung after `seconds` of silence; 0: it is not watched.
   void begin(const std::string& id, double seconds, std::int64_t now);
   void end(const std::string& id) { watched_.erase(id); }
-  /// A status of the command has arrived.
+  /// A status of the command has arrived. `faultless`: without a fault, and late enough to say so
+  /// (SilenceTimer::kNamed).
   void on_status(const std::string& id, bool faultless, std::int64_t now);
 
   /// The deputy's own status, sent once a second, has arrived from the bus. After the first one, any time without it

@@ -103,8 +103,9 @@ void Supervisor::restart(const std::string& id) {
 void Supervisor::replace(const std::string& id) {
   const auto it = commands_.find(id);
   if (it == commands_.end() || it->second->state.pid == 0 || it->second->state.stopping) return;
-  begin_stop(*it->second, std::min(it->second->state.command.stop_time_allowed, kHungStopTime));
+  begin_kill(*it->second);
   it->second->start_at_end = true;
+  arm_timer();
 }
 
 void Supervisor::set_wanted(const std::string& id, bool wanted) {
@@ -120,10 +121,7 @@ void Supervisor::kill_all() {
     managed->state.respawn_at = 0;
     managed->start_at_end = false;
     if (managed->state.pid == 0) continue;
-    managed->state.stopping = true;
-    managed->state.killed = true;
-    managed->kill_at = steady_clock() + kKillAgain;
-    signal_family(*managed, SIGKILL);
+    begin_kill(*managed);
   }
   arm_timer();
 }
@@ -178,6 +176,13 @@ void Supervisor::begin_stop(Managed& managed, double time_allowed) {
   managed.kill_at = steady_clock() + microseconds(std::clamp(time_allowed, 0.0, 86400.0));
   signal_family(managed, managed.state.command.stop_signal);
   arm_timer();
+}
+
+void Supervisor::begin_kill(Managed& managed) {
+  managed.state.stopping = true;
+  managed.state.killed = true;
+  managed.kill_at = steady_clock() + kKillAgain;
+  signal_family(managed, SIGKILL);
 }
 
 void Supervisor::signal_family(const Managed& managed, int signal) {

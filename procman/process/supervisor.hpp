@@ -65,9 +65,9 @@ class Supervisor {
   void stop(const std::string& id);
   /// Stops it if it is running, and starts it when it has ended.
   void restart(const std::string& id);
-  /// As restart(), for a command that hangs: SIGKILL follows the stop signal within kHungStopTime at the latest.
+  /// Kills a command that hangs, and starts it again. It gets no stop signal: it could not act on it, and if it woke up
+  /// a moment later, it would end as if the drive were over.
   void replace(const std::string& id);
-  static constexpr double kHungStopTime = 2;  ///< s
   /// Sets whether it is respawned when it ends, without starting or stopping it now.
   void set_wanted(const std::string& id, bool wanted);
   /// Sends SIGKILL at once to everything that is running.
@@ -91,6 +91,7 @@ class Supervisor {
 
   void launch(Managed& managed);
   void begin_stop(Managed& managed, double time_allowed);
+  static void begin_kill(Managed& managed);
   static void signal_family(const Managed& managed, int signal);
   void read_output(Managed& managed, std::size_t at_most);
   void close_terminal(Managed& managed);

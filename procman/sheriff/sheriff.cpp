@@ -9,6 +9,8 @@
 #include <limits>
 #include <tuple>
 
+#include "common/time/silence_timer.hpp"
+
 namespace curbstone::procman::sheriff {
 
 namespace {
@@ -76,6 +78,7 @@ void Sheriff::on(const service_status_t& status, std::int64_t now) {
   if (found == commands_.end()) return;
   found->second.heard_at = now;
   found->second.faults = status.fault;
+  found->second.is_settled = status.uptime >= SilenceTimer::kNamed;
 }
 
 std::vector<std::string> Sheriff::notes(std::int64_t now) const {

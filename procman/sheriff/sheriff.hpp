@@ -24,9 +24,10 @@ struct CommandInfo {
   std::int64_t heard_at = 0;     ///< us, of this process's latest SERVICE_STATUS; 0: none
   std::int64_t reported_at = 0;  ///< us, of its deputy's latest report
   std::vector<std::string> faults;
+  bool is_settled = false;  ///< it has run long enough to name what it misses: SilenceTimer::kNamed
 
-  /// Whether this process's latest status has no faults.
-  [[nodiscard]] bool ready() const { return status.pid != 0 && heard_at != 0 && faults.empty(); }
+  /// Whether this process's latest status has no faults, and is not of its first seconds.
+  [[nodiscard]] bool ready() const { return status.pid != 0 && heard_at != 0 && is_settled && faults.empty(); }
 };
 
 /// State of all deputies, and the orders to them. Pure: messages and time (us since the Unix epoch) are arguments,

@@ -42,7 +42,9 @@ EkfNode::EkfNode(const base::EkfConfig& config, Publisher& publisher)
 }
 
 void EkfNode::tick(std::int64_t now) {
-  now_ = now;
+  imu_.silence.tick(now);
+  wheels_.silence.tick(now);
+  start_.tick(now);
   sent_.tick();
   if (!state_keeper_ || !filter_.filter().started()) return;
   if (now >= state_kept_ && now - state_kept_ < kStatePeriod) return;
@@ -65,6 +67,7 @@ void EkfNode::on(const imu_t& message) {
   if (const char* cause = why_refused(message)) return refuse(imu_, cause);
   imu_.refused_in_a_row = 0;
   imu_.heard = message.utime;
+  imu_.silence.heard();
   imu_status_ = message.status;
   const std::int64_t offset_before = clock_.offset();
   const std::optional<std::int64_t> utime =
@@ -89,6 +92,7 @@ void EkfNode::on(const wheels_t& message) {
   if (const char* cause = why_refused(message)) return refuse(wheels_, cause);
   wheels_.refused_in_a_row = 0;
   wheels_.heard = message.utime;
+  wheels_.silence.heard();
   last_wheels_ = message;
   const std::optional<std::int64_t> utime =
       clock_.add(inputs::RunningClock::Sensor::kWheels, message.utime, message.sequence);
@@ -195,13 +199,13 @@ void EkfNode::refuse(Input& input, const char* cause) {
 }
 
 void EkfNode::describe_input(const Input& input, std::vector<std::string>& faults) const {
-  const std::int64_t newest = std::max({now_, imu_.heard, wheels_.heard});
   if (input.refused_in_a_row >= kGarbageRun)
     faults.push_back(fmt::format("{}: garbage, the last {} messages were refused", input.name, input.refused_in_a_row));
-  else if (input.heard == 0)
+  else if (input.silence.never_came())
     faults.push_back(fmt::format("{}: nothing heard yet", input.name));
-  else if (newest - input.heard > kSilence)
-    faults.push_back(fmt::format("{}: silent for {:.1f} s", input.name, base::seconds_between(input.heard, newest)));
+  else if (input.silence.was_heard() && input.silence.silent() > kSilence)
+    faults.push_back(
+        fmt::format("{}: silent for {:.1f} s", input.name, static_cast<double>(input.silence.silent()) * 1e-6));
 }
 
 NodeReport EkfNode::report() const {
@@ -235,7 +239,7 @@ NodeReport EkfNode::report() const {
   describe_imu_outliers(imu_outliers_, faults);
   describe_accelerometer(accelerometer_, faults);
   if (!filter_.filter().started()) {
-    faults.emplace_back("no odometry yet: waiting to stand still or to see the wheels turn");
+    if (start_.never_came()) faults.emplace_back("no odometry yet: waiting to stand still or to see the wheels turn");
   } else if (last_) {
     if (!last_->level) faults.emplace_back("not level yet after a start on the move: the mapper goes by LiDAR alone");
     const bool clips = (imu_status_ & imu_t::CLIPPING) && last_->utime + clock_.offset() - imu_.heard <= kSilence;

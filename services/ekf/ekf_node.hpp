@@ -9,6 +9,7 @@
 #include "common/bus/node.hpp"
 #include "common/resend/message_keeper.hpp"
 #include "common/shell/latency.hpp"
+#include "common/time/silence_timer.hpp"
 #include "services/ekf/filter/rewinding_filter.hpp"
 #include "services/ekf/inputs/imu_outlier_filter.hpp"
 #include "services/ekf/inputs/map_increment.hpp"
@@ -48,8 +49,9 @@ class EkfNode final : public Node {
  private:
   struct Input {
     const char* name;
-    std::int64_t heard = 0;                // us, newest stamp
-    std::optional<std::int32_t> sequence;  // of the newest message
+    std::int64_t heard = 0;  // us, newest stamp; 0: none yet
+    SilenceTimer silence{};
+    std::optional<std::int32_t> sequence{};  // of the newest message
     int refused_in_a_row = 0;
   };
 
@@ -76,12 +78,12 @@ class EkfNode final : public Node {
   mounting::MountingWatch mounting_;
   Counters counters_;
   LatencyWindow latency_;
-  Input imu_{"IMU", 0, {}, 0};
-  Input wheels_{"WHEELS", 0, {}, 0};
+  Input imu_{.name = "IMU"};
+  Input wheels_{.name = "WHEELS"};
   std::int32_t imu_status_ = 0;
   wheels_t last_wheels_{};
   std::optional<model::Estimate> last_;
-  std::int64_t now_ = 0;         // us, of the last tick
+  SilenceTimer start_;           // never hears anything: how long this process has run
   std::int64_t state_kept_ = 0;  // us
   std::optional<state::StateKeeper> state_keeper_;
   std::vector<model::Estimate> estimates_;

@@ -16,8 +16,7 @@ namespace {
 
 constexpr int kMaxScansPerTick = 5;  // scans processed per call
 constexpr std::int64_t kIndexPeriod = 1'000'000;
-constexpr std::int64_t kGyroWindow = 100'000;      // us before the end of a scan in which a gyro must have measured
-constexpr std::int64_t kReportedFor = 60'000'000;  // us of the drive for which an event is reported
+constexpr std::int64_t kGyroWindow = 100'000;  // us before the end of a scan in which a gyro must have measured
 
 std::vector<TrajectoryPoint> points_of(const std::vector<journal::RecordedPose>& drive) {
   std::vector<TrajectoryPoint> points;
@@ -96,6 +95,7 @@ void MapperNode::process(scan::Scan scan) {
     counters_.add("skipped.odometry_not_ready");  // a map begun now would not be level
     return;
   }
+  if (resumed_from_ != 0) note_missing(scan);
   const std::int64_t begin = steady_clock();
   sensor_monitor_.clean(scan);
   const std::optional<MapperUpdate> update = mapper_->process(scan, input_.odometry());
@@ -107,7 +107,7 @@ void MapperNode::process(scan::Scan scan) {
   position_ = update->T_map_base.translation();
   monitor_sensors(*update);
   if (update->rearranged) start_drive_.clear();
-  if (epoch_ == 0 || update->rearranged || update->start_is_over) begin_epoch(update->utime);
+  if (epoch_ == 0 || update->rearranged || update->start_is_over) begin_epoch(update->utime, update->rearranged);
   publish_pose(*update);
   keep_pose(*update);
   has_unsent_ = true;
@@ -118,9 +118,12 @@ void MapperNode::process(scan::Scan scan) {
     check_lidar(*update);
 }
 
-/// While odometry coasts on the wheels, its turn is not compared with the LiDAR's.
+/// While odometry coasts on the wheels, and while its filter has just been started, its turn is not compared with the
+/// LiDAR's.
 void MapperNode::monitor_sensors(const MapperUpdate& update) {
-  const bool is_measure = update.with_odometry && input_.odometry().with_gyro(update.utime - kGyroWindow, update.utime);
+  odometry_restart_.add(update.utime, input_.odometry().longest_step(update.utime - kGyroWindow));
+  const bool is_measure = update.with_odometry && !odometry_restart_.is_recent() &&
+                          input_.odometry().with_gyro(update.utime - kGyroWindow, update.utime);
   const std::optional<Pose> T_odom_base =
       is_measure ? std::optional(update.T_map_odom.inverse() * update.T_map_base) : std::nullopt;
   const std::optional<Pose>& by_scan = update.T_map_base_by_scan;
@@ -144,7 +147,7 @@ void MapperNode::check_lidar(const MapperUpdate& update) {
   if (why) begin_with_other_lidar(*why);
 }
 
-void MapperNode::begin_epoch(std::int64_t utime) {
+void MapperNode::begin_epoch(std::int64_t utime, bool is_rearranged) {
   const auto now = static_cast<std::int32_t>(std::clamp<std::int64_t>(utime / 1'000'000, 1, 2'147'483'000));
   epoch_ = std::max({epoch_ + 1, epoch_before_ + 1, now});
   counters_.add("epochs");
@@ -153,7 +156,7 @@ void MapperNode::begin_epoch(std::int64_t utime) {
   std::erase_if(drive, [&](const auto& pose) { return pose.utime >= utime; });  // later poses follow as MAP_POSE
   mapper_->wait();
   sender_.start_epoch(epoch_, mapper_->shown(), position_, points_of(drive));
-  if (journal_) journal_->start_epoch(epoch_, drive);
+  journal_epoch(drive, is_rearranged);
   if (mapper_->is_at_start()) start_drive_ = std::move(drive);
 }
 
@@ -252,7 +255,7 @@ void MapperNode::finish() {
   process_due(true);
   if (epoch_ == 0) return;
   take_changes(last_end_);
-  if (mapper_->show_drive()) begin_epoch(last_end_ + 1);
+  if (mapper_->show_drive()) begin_epoch(last_end_ + 1, false);
   sender_.queue_tiles(mapper_->finish());
   sender_.finish(mapper_->dense());
   send_index(last_end_);
@@ -288,9 +291,7 @@ NodeReport MapperNode::report() const {
                     "they stay as they were published and saved before, and grow no more",
                     evicted));
   if (!spill_file_->fault().empty()) report.faults.push_back("far tiles stay in memory: " + spill_file_->fault());
-  if (saver_ && !saver_->fault().empty()) report.faults.push_back(saver_->fault());
-  if (journal_ && !journal_->fault().empty()) report.faults.push_back(journal_->fault());
-  if (!why_new_map_.empty() && last_end_ - input_.first_start() < kReportedFor) report.faults.push_back(why_new_map_);
+  add_disk_faults(report.faults);
   input_.add_packet_faults(report.faults);
   lidar_at_start_.add_faults(report.faults);
   sensor_monitor_.add_faults(report.faults);

@@ -8,6 +8,7 @@
 #include "common/bus/node.hpp"
 #include "common/shell/latency.hpp"
 #include "services/mapper/config/mapper_config.hpp"
+#include "services/mapper/detection/odometry_restart.hpp"
 #include "services/mapper/detection/sensor_monitor.hpp"
 #include "services/mapper/journal/drive_journal.hpp"
 #include "services/mapper/lidar_at_start.hpp"
@@ -45,11 +46,13 @@ class MapperNode final : public Node {
   [[nodiscard]] const Mapper& mapper() const { return *mapper_; }
 
  private:
+  static constexpr std::int64_t kReportedFor = 60'000'000;  // us of the drive for which an event is reported
+
   void process_due(bool last_call);
   void process(scan::Scan scan);
   void monitor_sensors(const MapperUpdate& update);
   /// Begins an epoch: the map begins, or has been rearranged and is sent again as a whole.
-  void begin_epoch(std::int64_t utime);
+  void begin_epoch(std::int64_t utime, bool is_rearranged);
   [[nodiscard]] std::vector<journal::RecordedPose> drive_so_far();
   void publish_pose(const MapperUpdate& update);
   void take_changes(std::int64_t now);
@@ -64,6 +67,9 @@ class MapperNode final : public Node {
   void begin_map();
   void open_journal();
   [[nodiscard]] bool resume_drive();
+  void note_missing(const scan::Scan& scan);
+  void journal_epoch(const std::vector<journal::RecordedPose>& drive, bool is_rearranged);
+  void add_disk_faults(std::vector<std::string>& faults) const;
   void keep_pose(const MapperUpdate& update);
 
   config::MapperConfig config_;
@@ -74,6 +80,7 @@ class MapperNode final : public Node {
   std::shared_ptr<SpillFile> spill_file_;  // tiles and keyframe scans far from the vehicle
   std::optional<Mapper> mapper_;           // always has a value
   detection::SensorMonitor sensor_monitor_;
+  detection::OdometryRestart odometry_restart_;
   LidarAtStart lidar_at_start_;
   std::int64_t last_end_ = 0;                           // us, of the last scan processed
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();  // m in map, after that scan
@@ -91,7 +98,14 @@ class MapperNode final : public Node {
   // Disk.
   std::optional<storage::MapSaver> saver_;
   std::optional<journal::DriveJournal> journal_;
-  std::string why_new_map_;  // why the previous drive was not continued
+  /// Of the drive that was resumed: what nobody mapped.
+  struct Missing {
+    std::int64_t time = 0;   // us
+    std::int64_t since = 0;  // us, end of the first scan after it
+  };
+  Missing missing_;
+  std::int64_t resumed_from_ = 0;  // us, of its last pose that counts; 0 after the first scan
+  std::string why_new_map_;        // why the previous drive was not continued
 
   // Report.
   LatencyWindow latency_;

@@ -16,6 +16,8 @@
 namespace curbstone::mapper {
 namespace {
 
+constexpr std::int64_t kMissing = 200'000;  // us of the drive that are worth a fault: four revolutions
+
 std::size_t journal_bytes(const config::MapperConfig& config) {
   return static_cast<std::size_t>(config.journal_mb * 1e6);
 }
@@ -63,19 +65,46 @@ bool MapperNode::resume_drive() {
         journal::read_journal(config_.journal, journal_bytes(config_), journal_hash(config_), spill_file_.get());
     if (!drive) return false;
     epoch_before_ = drive->epoch;
-    const std::int64_t settled = drive->poses.back().utime - std::llround(1e6 * config_.dense.settled_after());
-    const auto is_later = [&](const journal::RecordedPose& pose) { return pose.utime > settled; };
-    drive->poses.erase(std::find_if(drive->poses.begin() + 1, drive->poses.end(), is_later), drive->poses.end());
+    journal::drop_poses_after(drive->poses.back().utime - std::llround(1e6 * config_.dense.settled_after()),
+                              drive->poses);
     resumed_drive_ = drive->poses;
-    input_.begin_at(drive->poses.back().utime);
+    resumed_from_ = drive->poses.back().utime;
+    input_.begin_at(resumed_from_);
+    journal_->adopt(*drive);
     mapper_->resume(std::move(*drive));
-    journal_->adopt();
     return true;
   } catch (const journal::JournalError& error) {
     counters_.add("journal.refused");
     why_new_map_ = fmt::format("a new map begins: {}", error.what());
     return false;
   }
+}
+
+/// The first scan after resume_drive() shows whether the sensors' messages since then were sent again.
+void MapperNode::note_missing(const scan::Scan& scan) {
+  const std::int64_t missing = scan.start - std::exchange(resumed_from_, 0);
+  if (missing < kMissing) return;
+  missing_ = Missing{missing, scan.end};
+  counters_.add("resumed.missing_ms", missing / 1000);
+}
+
+/// Begins the journal of the present epoch: the drive has the poses so far.
+void MapperNode::journal_epoch(const std::vector<journal::RecordedPose>& drive, bool is_rearranged) {
+  if (!journal_) return;
+  const bool continues = !is_rearranged && !drive.empty() &&
+                         journal_->continue_epoch(epoch_, drive.back().utime, mapper_->grown(), mapper_->atlas());
+  if (!continues) journal_->start_epoch(epoch_, drive);
+}
+
+void MapperNode::add_disk_faults(std::vector<std::string>& faults) const {
+  if (saver_ && !saver_->fault().empty()) faults.push_back(saver_->fault());
+  if (journal_ && !journal_->fault().empty()) faults.push_back(journal_->fault());
+  if (!why_new_map_.empty() && last_end_ - input_.first_start() < kReportedFor) faults.push_back(why_new_map_);
+  if (missing_.time > 0 && last_end_ - missing_.since < kReportedFor)
+    faults.push_back(
+        fmt::format("{:.1f} s of the drive are missing: this mapper was started for one that died, and nobody sent "
+                    "again what the sensors measured in between",
+                    static_cast<double>(missing_.time) * 1e-6));
 }
 
 /// Begins another map in a frame of its own. The earlier map stays on disk in a renamed folder, and semantic_map keeps

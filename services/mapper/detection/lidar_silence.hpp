@@ -4,26 +4,24 @@
 #include <string>
 #include <vector>
 
+#include "common/time/silence_timer.hpp"
+
 namespace curbstone::mapper::detection {
 
-/// How long no LIDAR_POINTS have come, by the ticks: in a replay time goes on by the other sensors' messages. A process
-/// that was stopped sees one long tick, and the messages may wait behind it: a tick counts for kMostPerTick at most.
-/// Pure; one thread.
+/// How long no LIDAR_POINTS have come, by the ticks: in a replay time goes on by the other sensors' messages. Pure; one
+/// thread.
 class LidarSilence {
  public:
-  static constexpr std::int64_t kSilent = 1'000'000;     ///< us
-  static constexpr std::int64_t kMostPerTick = 500'000;  ///< us
+  static constexpr std::int64_t kSilent = 1'000'000;  ///< us
 
   /// `now`: us.
-  void tick(std::int64_t now);
+  void tick(std::int64_t now) { timer_.tick(now); }
   /// Packets have come.
-  void heard();
+  void heard() { timer_.heard(); }
   void add_faults(std::vector<std::string>& faults) const;
 
  private:
-  bool was_heard_ = false;
-  std::int64_t ticked_ = 0;  // us
-  std::int64_t silent_ = 0;  // us
+  SilenceTimer timer_;
 };
 
 }  // namespace curbstone::mapper::detection

@@ -18,11 +18,38 @@ constexpr std::size_t kWorthwhile = 1'000'000;        // bytes
 
 }  // namespace
 
+void DriveJournal::adopt(const RecordedDrive& drive) {
+  is_adopted_ = true;
+  writer_.adopt();
+  adopted_bytes_ = drive.bytes;
+  nodes_ = static_cast<int>(drive.nodes.size());
+  edges_ = drive.edges.size();
+  rings_ = drive.rings;
+  tiles_.clear();
+  for (const auto& [key, tile] : drive.tiles)
+    tiles_[key] = {tile.num_records, tile.num_runs, tile.num_records * sizeof(TilePoint)};
+}
+
+bool DriveJournal::continue_epoch(std::int32_t epoch, std::int64_t until, const dense_map::DenseMap& map,
+                                  const pose_graph::Atlas& atlas) {
+  if (!is_adopted_ || epoch_ != 0 || map.is_moving()) return false;
+  if (atlas.size() < nodes_ || atlas.edges().size() < edges_) return false;
+  for (const auto& [key, written] : tiles_) {
+    const dense_map::DenseTile* tile = map.tile(key);
+    if (tile == nullptr || tile->num_records() < written.records) return false;  // could not be restored
+  }
+  epoch_ = epoch;
+  until_ = until;
+  continues_ = true;
+  return true;
+}
+
 void DriveJournal::start_epoch(std::int32_t epoch, std::vector<RecordedPose> drive) {
   epoch_ = epoch;
   poses_ = std::move(drive);
   thinning_ = {};
   begins_ = true;
+  continues_ = false;
   failed_ = 0;
 }
 
@@ -72,6 +99,10 @@ void DriveJournal::write(const dense_map::DenseMap& map, const pose_graph::Atlas
   if (begins_) {
     if (poses_.empty()) return;
     begin(items, map, atlas);
+  }
+  if (std::exchange(continues_, false)) {
+    writer_.continue_at(adopted_bytes_);
+    append_epoch(items, epoch_, until_);
   }
   if (!writer_.fault().empty()) return give_up(now, writer_.fault());
   items += new_items(map, atlas, now);

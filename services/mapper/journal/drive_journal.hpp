@@ -33,10 +33,12 @@ class DriveJournal {
   void start_epoch(std::int32_t epoch, std::vector<RecordedPose> drive);
   /// The journal that is there is of this drive, which another mapper began: its age shows whether this one lives,
   /// until the journal of the first epoch has as much.
-  void adopt() {
-    is_adopted_ = true;
-    writer_.adopt();
-  }
+  void adopt(const RecordedDrive& drive);
+  /// Begins the first epoch after adopt() in the adopted file: what that holds is not written again, so a mapper that
+  /// is killed at once has lost nothing. False, and nothing is done, if the map is not that of the file: then
+  /// start_epoch(). `until`: us, the last pose of the file that counts; the map may have grown since.
+  [[nodiscard]] bool continue_epoch(std::int32_t epoch, std::int64_t until, const dense_map::DenseMap& map,
+                                    const pose_graph::Atlas& atlas);
   /// Keeps an adopted journal young before the first epoch. `now`: us.
   void wait(std::int64_t now);
   /// Whether start_epoch() should restart the journal: writing failed a minute ago; or it failed for lack of space,
@@ -73,7 +75,10 @@ class DriveJournal {
   std::string config_hash_;
   std::int32_t epoch_ = 0;
   bool is_adopted_ = false;
-  bool begins_ = false;        // a new file, with the next batch
+  bool begins_ = false;     // a new file, with the next batch
+  bool continues_ = false;  // the adopted file, likewise
+  std::size_t adopted_bytes_ = 0;
+  std::int64_t until_ = 0;     // us, the last pose of the adopted file that counts
   std::int64_t failed_ = 0;    // us; 0: no failure
   std::int64_t appended_ = 0;  // us
   std::string fault_;

@@ -10,7 +10,7 @@
 namespace curbstone::mapper::journal {
 namespace {
 
-enum class Item : std::uint8_t { kHead = 1, kNode, kEdge, kPose, kTile, kEviction, kRings };
+enum class Item : std::uint8_t { kHead = 1, kNode, kEdge, kPose, kTile, kEviction, kRings, kEpoch };
 
 template <class Value>
 void put(std::string& out, const Value& value) {
@@ -156,6 +156,8 @@ void take_tile(ItemBytes& bytes, RecordedDrive& drive, std::size_t batch) {
     run.utime = bytes.take<std::int64_t>();
     tile.content.runs.push_back(run);
   }
+  tile.num_records = tile.content.records.size();
+  tile.num_runs = tile.content.runs.size();
 }
 
 intensity::RingHistograms take_rings(ItemBytes& bytes) {
@@ -212,6 +214,12 @@ void append_head(std::string& out, const std::string& config_hash, std::int32_t 
   out += config_hash;
   put(out, epoch);
   put(out, num_known);
+}
+
+void append_epoch(std::string& out, std::int32_t epoch, std::int64_t until) {
+  put(out, Item::kEpoch);
+  put(out, epoch);
+  put(out, until);
 }
 
 void append_node(std::string& out, const scan::Keyframe& node, double driven) {
@@ -291,6 +299,13 @@ void apply_items(std::string_view items, RecordedDrive& drive, std::size_t batch
         drive.num_known = bytes.take<std::int32_t>();
         require(drive.epoch > 0, "has no epoch");
         break;
+      case Item::kEpoch: {
+        const auto epoch = bytes.take<std::int32_t>();
+        require(epoch > drive.epoch, "goes back to an earlier epoch");
+        drive.epoch = epoch;
+        drop_poses_after(bytes.take<std::int64_t>(), drive.poses);
+        break;
+      }
       case Item::kNode:
         drive.nodes.push_back(take_node(bytes));
         break;

@@ -11,6 +11,8 @@ namespace curbstone::mapper::journal {
 /// Serialises the items of a journal, appended to `out`. In the byte order of this machine: no other reads them.
 
 void append_head(std::string& out, const std::string& config_hash, std::int32_t epoch, std::int32_t num_known);
+/// Another mapper continues the drive in this epoch: of the earlier poses those up to `until`, us, count.
+void append_epoch(std::string& out, std::int32_t epoch, std::int64_t until);
 void append_node(std::string& out, const scan::Keyframe& node, double driven);
 void append_edge(std::string& out, const pose_graph::PoseEdge& edge);
 void append_pose(std::string& out, const RecordedPose& pose);

@@ -81,6 +81,7 @@ std::optional<RecordedDrive> read_batches(std::ifstream& file, std::uintmax_t by
     if (head.checksum != checksum_of(head.size, items)) throw std::runtime_error("is damaged: a checksum is wrong");
     apply_items(items, drive, ++batch);
     read += items.size();
+    drive.bytes += sizeof head + items.size();
     if (spiller && read > kSpillInterval) {
       spiller->spill(drive, kMaxRecordsInMemory);
       read = 0;

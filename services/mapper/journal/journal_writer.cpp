@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <chrono>
@@ -46,9 +47,17 @@ bool JournalWriter::has_room_again() const {
 
 void JournalWriter::begin() {
   is_open_ = is_in_place_ = is_full_ = false;
+  after_.reset();
   bytes_ = 0;
   error_.clear();
   fault_.clear();
+}
+
+void JournalWriter::continue_at(std::size_t bytes) {
+  begin();
+  after_ = bytes;
+  bytes_ = bytes;
+  is_in_place_ = was_in_place_ = true;
 }
 
 void JournalWriter::append(std::string batch, bool is_complete) {
@@ -68,26 +77,37 @@ void JournalWriter::append(std::string batch, bool is_complete) {
   is_in_place_ = is_in_place_ || is_complete;
   was_in_place_ = was_in_place_ || is_complete;
   const bool waits_beside = was_in_place_ && !is_in_place_;
-  under_way_ = std::async(std::launch::async, [this, batch = std::move(batch), opens, takes_place, waits_beside] {
-    const std::error_code error = put(batch, opens, takes_place);
-    if (error)
-      discard();
-    else if (waits_beside)
-      keep_alive();
-    return error;
-  });
+  const auto after = std::exchange(after_, std::nullopt);
+  under_way_ =
+      std::async(std::launch::async, [this, batch = std::move(batch), opens, after, takes_place, waits_beside] {
+        if (opens) open(after);
+        const std::error_code error = put(batch, takes_place);
+        if (error)
+          discard();
+        else if (waits_beside)
+          keep_alive();
+        return error;
+      });
+}
+
+/// Opens the file in place after so many bytes, or a new one beside it. put() reports the error. Runs in the other
+/// thread.
+void JournalWriter::open(std::optional<std::size_t> after) {
+  std::error_code ignored;
+  errno = 0;
+  has_taken_place_ = after.has_value();
+  if (after) {
+    file_.reset(truncate(path_.c_str(), static_cast<off_t>(*after)) == 0 ? std::fopen(path_.c_str(), "abe") : nullptr);
+  } else {
+    std::filesystem::create_directories(std::filesystem::path(path_).parent_path(), ignored);
+    file_.reset(std::fopen(unfinished().c_str(), "wbe"));
+  }
 }
 
 /// Runs in the other thread.
-std::error_code JournalWriter::put(std::string_view batch, bool opens, bool takes_place) {
-  errno = 0;
-  if (opens) {
-    std::error_code ignored;  // fopen() reports the error
-    std::filesystem::create_directories(std::filesystem::path(path_).parent_path(), ignored);
-    file_.reset(std::fopen(unfinished().c_str(), "wbe"));
-    has_taken_place_ = false;
-  }
-  if (file_ && !opens && !is_there()) return std::make_error_code(std::errc::no_such_file_or_directory);
+std::error_code JournalWriter::put(std::string_view batch, bool takes_place) {
+  if (file_) errno = 0;
+  if (file_ && !is_there()) return std::make_error_code(std::errc::no_such_file_or_directory);
   const bool is_written = file_ && std::fwrite(batch.data(), 1, batch.size(), file_.get()) == batch.size() &&
                           std::fflush(file_.get()) == 0 &&
                           (!takes_place || std::rename(unfinished().c_str(), path_.c_str()) == 0);

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <future>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -32,6 +33,8 @@ class JournalWriter {
   void keep_young();
   /// Starts another file with the next batch, beside the current one.
   void begin();
+  /// Continues the file in place after its first `bytes` with the next batch: what follows them was cut short.
+  void continue_at(std::size_t bytes);
   /// `is_complete`: with this batch the new file is complete enough for a successor, and replaces the previous one.
   void append(std::string batch, bool is_complete);
   /// Deletes the journal: the drive is over. Waits.
@@ -53,7 +56,8 @@ class JournalWriter {
   struct Close {
     void operator()(std::FILE* file) const { (void)std::fclose(file); }
   };
-  [[nodiscard]] std::error_code put(std::string_view batch, bool opens, bool takes_place);
+  [[nodiscard]] std::error_code put(std::string_view batch, bool takes_place);
+  void open(std::optional<std::size_t> after);
   [[nodiscard]] bool is_there() const;
   void keep_alive() const;
   void discard();
@@ -66,7 +70,8 @@ class JournalWriter {
   std::future<std::error_code> under_way_;  // result of the write
   std::int64_t began_ = 0;                  // ns, steady clock
   bool is_open_ = false;
-  bool was_in_place_ = false;  // as a file of this writer, or adopted
+  std::optional<std::size_t> after_;  // bytes of the file in place, which the next batch continues; none: a new file
+  bool was_in_place_ = false;         // as a file of this writer, or adopted
   bool is_in_place_ = false;
   std::size_t bytes_ = 0;
   std::string fault_;

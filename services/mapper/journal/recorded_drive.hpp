@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -39,6 +40,8 @@ struct RecordedTile {
   dense_map::TileRecords content;
   dense_map::PackedRecords spilled = {};  ///< if not empty, it holds the records, and `content` is empty
   std::size_t touched = 0;                ///< while reading: number of the batch in which it last grew
+  std::size_t num_records = 0;            ///< of `content`, or of what `spilled` holds
+  std::size_t num_runs = 0;               ///< likewise
 };
 
 /// What a mapper needs to continue the drive of one that died.
@@ -51,7 +54,16 @@ struct RecordedDrive {
   std::unordered_map<TileKey, RecordedTile, TileKeyHash> tiles;
   std::vector<RecordedPose> poses;  ///< in order; at least one
   intensity::RingHistograms rings;  ///< from which the scale of the tiles' intensities was made
+  std::size_t bytes = 0;            ///< of the file that holds it, without a batch that was cut short
 };
+
+/// Drops the poses later than `utime`, us, but never the first one.
+inline void drop_poses_after(std::int64_t utime, std::vector<RecordedPose>& poses) {
+  if (poses.empty()) return;
+  poses.erase(
+      std::find_if(poses.begin() + 1, poses.end(), [&](const RecordedPose& pose) { return pose.utime > utime; }),
+      poses.end());
+}
 
 /// One line that names the file and the fault.
 class JournalError : public std::runtime_error {

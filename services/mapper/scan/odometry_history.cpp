@@ -135,6 +135,14 @@ bool OdometryHistory::with_gyro(std::int64_t from, std::int64_t to) const {
   return all(from, to, &OdometrySample::with_gyro);
 }
 
+std::int64_t OdometryHistory::longest_step(std::int64_t from) const {
+  std::int64_t longest = 0;
+  const std::size_t known = num_known();
+  for (std::size_t i = std::max<std::size_t>(lower_bound(from), 1); i < known; ++i)
+    longest = std::max(longest, samples_[i].utime - samples_[i - 1].utime);
+  return longest;
+}
+
 void OdometryHistory::forget_before(std::int64_t utime) {
   while (samples_.size() > 1 && samples_[1].utime <= utime) samples_.pop_front();
 }

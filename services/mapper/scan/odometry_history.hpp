@@ -68,6 +68,8 @@ class OdometryHistory {
   [[nodiscard]] bool turn_confirmed(std::int64_t from, std::int64_t to) const;
   /// Whether a gyro measured the turn throughout a covered interval.
   [[nodiscard]] bool with_gyro(std::int64_t from, std::int64_t to) const;
+  /// us, the longest interval between two samples of which the later one lies after `from`; 0: there is none.
+  [[nodiscard]] std::int64_t longest_step(std::int64_t from) const;
   /// Drops what is not needed for times from `utime` on.
   void forget_before(std::int64_t utime);
 

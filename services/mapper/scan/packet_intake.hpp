@@ -52,7 +52,7 @@ class PacketIntake {
   /// us, stamp of the newest packet heard.
   [[nodiscard]] std::int64_t newest() const { return newest_; }
   [[nodiscard]] std::optional<MissingMessages> missing() const;
-  /// Adds faults: no packet has arrived yet; more than one LiDAR sent within the last second of message time.
+  /// Adds a fault: more than one LiDAR sent within the last second of message time.
   void add_faults(std::vector<std::string>& faults) const;
   [[nodiscard]] const Counters& counters() const { return counters_; }
 

@@ -15,16 +15,17 @@ namespace {
 
 constexpr const char* kMapPoints = "MAP_POINTS";
 constexpr const char* kVotedPoints = "VOTED_POINTS";
-constexpr std::int64_t kSecond = 1'000'000;         // us
-constexpr std::int64_t kRequestInterval = 100'000;  // us
-constexpr std::int64_t kRequestPatience = 300'000;  // us
-constexpr std::size_t kTilesPerRequest = 100;       // a few hundred kB of answers
-constexpr std::size_t kMaxBehind = 20'000;          // tiles that this worker knows to lack
-constexpr double kBurst = 50'000;                   // us of bandwidth that may be saved up: the changes of a revolution
-constexpr std::size_t kMovesPerTick = 8000;         // points processed in a takeover: 10 to 20 ms of work
-constexpr std::int64_t kListen = 1'500'000;         // us: long enough for a heartbeat of every other worker
-constexpr std::size_t kAtOnce = 300;                // tiles: some 12 MB, while nothing else is sent
-constexpr double kJoinRadius = 40.0;                // m: what a worker must have around the vehicle before it joins
+constexpr std::int64_t kSecond = 1'000'000;          // us
+constexpr std::int64_t kMapperSilent = 3 * kSecond;  // us: three of its indexes
+constexpr std::int64_t kRequestInterval = 100'000;   // us
+constexpr std::int64_t kRequestPatience = 300'000;   // us
+constexpr std::size_t kTilesPerRequest = 100;        // a few hundred kB of answers
+constexpr std::size_t kMaxBehind = 20'000;           // tiles that this worker knows to lack
+constexpr double kBurst = 50'000;            // us of bandwidth that may be saved up: the changes of a revolution
+constexpr std::size_t kMovesPerTick = 8000;  // points processed in a takeover: 10 to 20 ms of work
+constexpr std::int64_t kListen = 1'500'000;  // us: long enough for a heartbeat of every other worker
+constexpr std::size_t kAtOnce = 300;         // tiles: some 12 MB, while nothing else is sent
+constexpr double kJoinRadius = 40.0;         // m: what a worker must have around the vehicle before it joins
 
 /// The start of a chain number: differs for each worker and for each start of it.
 std::int64_t begin_chain(const std::string& worker, std::int64_t now) {
@@ -52,7 +53,7 @@ void TensorVotingNode::connect(Subscriber& bus) {
 
 void TensorVotingNode::on(const map_points_t& message) {
   if (!follow_epoch(message.epoch, EpochFollower::Source::kOther)) return;
-  mapper_heard_ = now_;
+  mapper_silence_.heard();
   const TileKey key{message.tile_x, message.tile_y};
   if (!is_near(key)) {
     // Only tiles that the mapper has announced: a damaged message may name any tile.
@@ -106,7 +107,7 @@ void TensorVotingNode::on(const tile_index_t& message) {
     }
   } else if (message.channel == kMapPoints) {
     if (!follow_epoch(message.epoch, EpochFollower::Source::kMapper)) return;
-    mapper_heard_ = now_;
+    mapper_silence_.heard();
     tile_index_t near = message;
     near.tile_x.clear(), near.tile_y.clear(), near.version.clear();
     for (std::size_t i = 0; i < message.version.size() && follower_.behind() < kMaxBehind; ++i) {
@@ -270,6 +271,7 @@ void TensorVotingNode::caught_up(std::int64_t now) {
 
 void TensorVotingNode::tick(std::int64_t now) {
   advance(now);
+  mapper_silence_.tick(now);
   if (first_tick_ == 0 || now < first_tick_) first_tick_ = now;
   if (chain_ == 0) chain_ = begin_chain(worker_, now);
 
@@ -313,7 +315,7 @@ NodeReport TensorVotingNode::report() const {
   NodeReport report;
   report.counters = counters_;
   report.counters.set("pair_votes", map_.num_pairs());
-  if (now_ - mapper_heard_ > 3 * kSecond) report.faults.push_back("the mapper is silent");
+  if (mapper_silence_.silent() > kMapperSilent) report.faults.push_back("the mapper is silent");
   if (const auto fault = epochs_.fault(now_)) report.faults.push_back(*fault);
   if (!full_.empty())
     report.faults.push_back(fmt::format(

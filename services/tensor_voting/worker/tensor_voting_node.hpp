@@ -16,6 +16,7 @@
 #include "common/tile_sync/epoch_follower.hpp"
 #include "common/tile_sync/lost_timer.hpp"
 #include "common/tile_sync/tile_sync.hpp"
+#include "common/time/silence_timer.hpp"
 #include "services/tensor_voting/worker/publish_schedule.hpp"
 #include "services/tensor_voting/worker/rendezvous_owners.hpp"
 #include "services/tensor_voting/worker/tensor_voting_config.hpp"
@@ -112,7 +113,7 @@ class TensorVotingNode final : public Node {
   std::optional<std::int64_t> index_heard_;  // us: when the mapper made its first whole index of this epoch
   std::int64_t last_index_ = 0;
   std::int64_t last_request_ = 0;
-  std::int64_t mapper_heard_ = 0;
+  SilenceTimer mapper_silence_;
   double budget_ = 0;  // bytes that may be sent now
 
   Counters counters_;

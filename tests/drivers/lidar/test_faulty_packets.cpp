@@ -308,5 +308,37 @@ TEST(LidarNode, SaysThatPacketsAreLost) {
   EXPECT_THAT(bench.node.report().faults, Not(Contains(HasSubstr("were lost in a second"))));
 }
 
+TEST(LidarNode, DoesNotBlameTheNetworkForPacketsThatTheDeviceDidNotSend) {
+  Bench bench;
+  const auto packets = drive_packets(1'700'000'000'000'000, 5000);
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    const std::int64_t now = 1'700'000'000'000'000 + static_cast<std::int64_t>(i + 1) * 1332;
+    bench.node.tick(now);
+    const bool is_silent = i >= 1000 && i < 2500;
+    if (!is_silent) bench.send(packets[i], now);
+    EXPECT_THAT(bench.node.report().faults, Not(Contains(HasSubstr("were lost in a second")))) << i;
+    if (i == 2400) {
+      EXPECT_THAT(bench.node.report().faults, Contains(HasSubstr("no packets for 1.9 s")));
+    }
+  }
+  EXPECT_GT(bench.count("lost.packets"), 1400) << "they are missing all the same";
+}
+
+TEST(LidarNode, SaysThatPacketsWereLostWhileItWasStopped) {
+  Bench bench;
+  const auto packets = drive_packets(1'700'000'000'000'000, 4000);
+  bool was_said = false;
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    if (i >= 1000 && i < 2500) continue;  // the kernel keeps no more of them
+    const std::int64_t now = 1'700'000'000'000'000 + static_cast<std::int64_t>(i + 1) * 1332;
+    bench.node.tick(now);
+    EXPECT_THAT(bench.node.report().faults, Not(Contains(HasSubstr("no packets")))) << "the device sent: " << i;
+    bench.send(packets[i], now);
+    for (const std::string& fault : bench.node.report().faults)
+      was_said |= fault.find("were lost in a second") != std::string::npos;
+  }
+  EXPECT_TRUE(was_said);
+}
+
 }  // namespace
 }  // namespace curbstone::lidar

@@ -2,8 +2,11 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <fstream>
 
+#include "common/resend/recent_messages.hpp"
+#include "common/time/microseconds.hpp"
 #include "tests/paths.hpp"
 
 namespace curbstone::procman::config {
@@ -21,6 +24,21 @@ TEST(ProcmanConfig, ReadsEveryAttributeAndItsDefaults) {
   ASSERT_EQ(config.commands.size(), 2U);
   EXPECT_EQ(config.commands[0], (Command{"a", "prog --x \"y z\"\n\\", "robot", "", true, 15, 20}));
   EXPECT_EQ(config.commands[1], (Command{"b", "b", "other", "old/style", false, 2, 7}));
+}
+
+/// Whoever maps a hanging process's part of the drive asks for it again, and the senders must have it still.
+TEST(ProcmanConfig, OfTheVehicleReplacesWhatHangsBeforeTheSensorsForget) {
+  constexpr std::int64_t kBack = 2'500'000;  // us: until the next one asks, and what it maps again
+  for (const char* file : {"procman/ugv.cfg", "procman/demo.cfg"}) {
+    const Config config = load_config_file(test::source_path(file));
+    for (const char* id : {"lidar", "imu", "encoder", "ekf", "mapper"}) {
+      const auto command =
+          std::find_if(config.commands.begin(), config.commands.end(), [&](const Command& c) { return c.id == id; });
+      ASSERT_NE(command, config.commands.end()) << file << ": " << id;
+      EXPECT_GE(command->heartbeat, 5) << file << ": " << id << ": a busy machine is no hang";
+      EXPECT_LE(microseconds(command->heartbeat) + kBack, KeepLimits{}.span) << file << ": " << id;
+    }
+  }
 }
 
 TEST(ProcmanConfig, ReadsAHeartbeatInQuotesOrNot) {

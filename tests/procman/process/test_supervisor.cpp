@@ -96,15 +96,17 @@ TEST(Supervisor, KillsWhatIgnoresTheSignalByItsOwnTimer) {
   EXPECT_TRUE(s.ends.at(0).killed);
 }
 
-TEST(Supervisor, WhatHangsIsKilledSoonAndStartedAgain) {
+TEST(Supervisor, WhatHangsIsKilledAtOnceAndStartedAgain) {
   Supervised s;
-  config::Command command = s.add("a", "sh -c 'trap \"\" INT; echo up; while :; do sleep 0.05; done'");
+  config::Command command = s.add("a", "sh -c 'trap \"echo bye; exit 0\" INT; echo up; while :; do sleep 0.05; done'");
   command.stop_time_allowed = 1000;
   s.start(command);
   ASSERT_TRUE(s.run_until([&] { return s.output["a"] == "up\r\n"; }));
   s.supervisor.replace("a");
   ASSERT_TRUE(s.run_until([&] { return s.starts["a"].size() == 2; }, 60)) << "though it need not respawn by itself";
   EXPECT_TRUE(s.ends.at(0).killed);
+  EXPECT_EQ(s.ends.at(0).status, SIGKILL) << "one that wakes up must not end the drive, as a stop signal makes it do";
+  EXPECT_EQ(s.output["a"].find("bye"), std::string::npos);
 }
 
 TEST(Supervisor, ACommandWithAHeartbeatThatRefusesItsConfigurationIsNotStartedAgain) {

@@ -117,6 +117,10 @@ TEST_F(SheriffTest, AProcessIsReadyByItsOwnWordNotByThatOfTheOneBefore) {
   status.service = "a";
   receive({command("a", 10, 4)});
   EXPECT_FALSE(sheriff_.commands().at("a").ready()) << "it has said nothing";
+  status.uptime = 1'000'000;
+  sheriff_.on(status, kNow);
+  EXPECT_FALSE(sheriff_.commands().at("a").ready()) << "so early it does not say what it misses";
+  status.uptime = 3'000'000;
   sheriff_.on(status, kNow);
   EXPECT_TRUE(sheriff_.commands().at("a").ready());
   receive({command("a", 11, 5)});

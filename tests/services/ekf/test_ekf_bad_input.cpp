@@ -133,6 +133,7 @@ TEST_F(EkfNodeTest, AnImuThatClipsIsDistinguishedFromOneThatIsMissing) {
     imu_t imu = message_of(drive_.imu[i], static_cast<std::int32_t>(i));
     if (i >= half) imu.status |= imu_t::CLIPPING;
     if (i < gone) rig.send("IMU", imu);
+    rig.node.tick(drive_.wheels[i].utime);
     if (i + 1 == half) {
       EXPECT_THAT(rig.node.report().faults, IsEmpty());
     }

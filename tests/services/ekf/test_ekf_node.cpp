@@ -87,14 +87,19 @@ TEST_F(EkfNodeTest, SaysWhichSensorIsSilentAndThatItRecovered) {
   Rig rig(config_);
   for (std::size_t i = 0; i < 500; ++i) send(rig, i);
   EXPECT_TRUE(rig.node.report().faults.empty());
-  for (std::size_t i = 500; i < 700; ++i)
+  for (std::size_t i = 500; i < 700; ++i) {
     rig.send("WHEELS", message_of(drive_.wheels[i], static_cast<std::int32_t>(i)));
+    rig.node.tick(drive_.wheels[i].utime);
+  }
   EXPECT_THAT(rig.node.report().faults, ::testing::Contains(::testing::HasSubstr("IMU: silent for")));
   EXPECT_THAT(rig.node.report().faults, ::testing::Contains(::testing::HasSubstr("coasts on the wheels")));
   EXPECT_TRUE(rig.odometry.back().flags & odometry_t::NO_IMU);
   for (std::size_t i = 700; i < 900; ++i) send(rig, i);
   EXPECT_TRUE(rig.node.report().faults.empty());
-  for (std::size_t i = 900; i < 1100; ++i) rig.send("IMU", message_of(drive_.imu[i], static_cast<std::int32_t>(i)));
+  for (std::size_t i = 900; i < 1100; ++i) {
+    rig.send("IMU", message_of(drive_.imu[i], static_cast<std::int32_t>(i)));
+    rig.node.tick(drive_.imu[i].utime);
+  }
   EXPECT_THAT(rig.node.report().faults, ::testing::Contains(::testing::HasSubstr("WHEELS: silent for")));
   EXPECT_TRUE(rig.odometry.back().flags & odometry_t::NO_WHEELS);
   for (std::size_t i = 1100; i < 1300; ++i) send(rig, i);
@@ -108,11 +113,28 @@ TEST_F(EkfNodeTest, SaysWhichSensorIsSilentAndThatItRecovered) {
 
 TEST_F(EkfNodeTest, SaysThatItHeardNothing) {
   Rig rig(config_);
-  rig.node.tick(1'700'000'000'000'000);
+  std::int64_t now = 1'700'000'000'000'000;
+  rig.node.tick(now);
+  EXPECT_TRUE(rig.node.report().faults.empty()) << "the drivers may be starting as well";
+  for (int i = 0; i < 105; ++i) rig.node.tick(now += 20'000);
   const std::vector<std::string> faults = rig.node.report().faults;
   EXPECT_THAT(faults, ::testing::Contains("IMU: nothing heard yet"));
   EXPECT_THAT(faults, ::testing::Contains("WHEELS: nothing heard yet"));
   EXPECT_THAT(faults, ::testing::Contains(::testing::HasSubstr("no odometry yet")));
+}
+
+TEST_F(EkfNodeTest, DoesNotBlameTheSensorsWhenItWasStoppedItself) {
+  Rig rig(config_);
+  for (std::size_t i = 0; i < 500; ++i) {
+    send(rig, i);
+    rig.node.tick(drive_.imu[i].utime);
+  }
+  std::int64_t now = drive_.imu[500].utime + 5'000'000;
+  rig.node.tick(now);
+  EXPECT_TRUE(rig.node.report().faults.empty()) << "what they said meanwhile waits to be handled";
+  for (int i = 0; i < 40; ++i) rig.node.tick(now += 20'000);
+  EXPECT_THAT(rig.node.report().faults, ::testing::Contains(::testing::HasSubstr("IMU: silent for 1.3 s")))
+      << "since the wake-up";
 }
 
 TEST_F(EkfNodeTest, ANodeThatWasKilledIsGoneOnWith) {

@@ -79,6 +79,8 @@ void write_report(const FaultReport& report, const std::string& file) {
                             {"map", row.map},
                             {"emulator_late_s", row.emulator_late_s},
                             {"drives", row.drives},
+                            {"seconds", row.seconds},
+                            {"excuse", row.excuse.why},
                             {"spoiled", row.is_spoiled()}});
   }
   output::write_text(file, json.dump(2) + '\n');

@@ -8,6 +8,13 @@ namespace curbstone::bench::faults {
 
 constexpr double kLate = 0.1;  ///< s, one revolution: an emulator later than this ran on a busy machine
 
+/// Why a row need not keep a limit, in words.
+struct Excuse {
+  enum class Covers { kNothing, kTime, kAll };
+  Covers covers = Covers::kNothing;
+  std::string why{};
+};
+
 /// The effect of a fault on a drive and its map.
 struct FaultRow {
   std::string fault;
@@ -19,6 +26,9 @@ struct FaultRow {
   bool ended_cleanly = false;       ///< all processes, on request
   std::string map;                  ///< "ok", or what is wrong with the file
   double emulator_late_s = 0;
+  double seconds = 0;           ///< of driving
+  bool is_undisturbed = false;  ///< there was no fault
+  Excuse excuse{};
   int drives = 1;  ///< number of drives; the last one is reported, the earlier ones were spoiled
 
   /// Whether the result says nothing about the fault, because the machine was busy.

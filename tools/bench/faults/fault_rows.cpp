@@ -15,11 +15,26 @@ constexpr std::size_t kPairDrives = 3;
 constexpr std::array kCommands = {"lidar",           "imu",          "encoder", "ekf", "mapper",
                                   "tensor_voting:1", "semantic_map", "recorder"};
 
-Fault nothing() {
-  return {"none", [](StackDrive& drive) {
+/// Nobody has what was measured meanwhile, or nothing was.
+Excuse all_excused(std::string why) {
+  return {Excuse::Covers::kAll, std::move(why)};
+}
+Excuse time_excused(std::string why) {
+  return {Excuse::Covers::kTime, std::move(why)};
+}
+
+Fault nothing(const std::string& name, double seconds) {
+  return {name,
+          [](StackDrive& drive) {
             drive.go_on_until(kMidDrive);
             drive.fault_is_over();
-          }};
+          },
+          seconds};
+}
+
+Fault with(Excuse excuse, Fault fault) {
+  fault.excuse = std::move(excuse);
+  return fault;
 }
 
 Fault killed(const std::string& command) {
@@ -112,6 +127,16 @@ Fault frozen(const std::string& command) {
           }};
 }
 
+/// The time until it is back includes that until the deputy takes it for hanging.
+Fault hanging(const std::string& command) {
+  return {"SIGSTOP of " + command + " for ever",
+          [command](StackDrive& drive) {
+            drive.go_on_until(kMidDrive);
+            drive.hang(command);
+          },
+          30};
+}
+
 Fault busy_cpu() {
   return {"two CPU hogs for 8 s", [](StackDrive& drive) {
             drive.go_on_until(5);
@@ -144,19 +169,26 @@ Fault all_silent() {
 }  // namespace
 
 std::vector<Fault> all_faults() {
-  std::vector<Fault> faults = {nothing()};
+  std::vector<Fault> faults = {nothing("none", Fault{}.seconds), nothing("none, 60 s", kLongDrive)};
   for (const char* command : kCommands) faults.push_back(killed(command));
-  faults.push_back(killed("deputy"));
+  const Excuse lidar_too = all_excused("the LiDAR's driver dies as well, and with it what it kept");
+  faults.push_back(with(lidar_too, killed("deputy")));
   faults.push_back(both_killed("ekf", "mapper"));
   faults.push_back(both_killed("tensor_voting:1", "semantic_map"));
-  faults.push_back(power_lost());
-  for (const char* command : {"lidar", "ekf", "mapper", "tensor_voting:1", "semantic_map", "recorder"})
+  faults.push_back(with(lidar_too, power_lost()));
+  const Excuse lidar_frozen = all_excused("the kernel's buffer does not hold 5 s of packets");
+  faults.push_back(with(lidar_frozen, frozen("lidar")));
+  for (const char* command : {"ekf", "mapper", "tensor_voting:1", "semantic_map", "recorder"})
     faults.push_back(frozen(command));
+  for (const char* command : {"ekf", "mapper"})
+    faults.push_back(with(time_excused("it takes 7 s to be taken for hanging"), hanging(command)));
+  faults.push_back(with(lidar_frozen, hanging("lidar")));
   faults.push_back(busy_cpu());
-  for (const char* sensor : {"lidar", "imu", "wheels"}) faults.push_back(silent(sensor));
-  faults.push_back(all_silent());
-  faults.push_back(disk_full());
-  faults.push_back(interface_down());
+  const Excuse not_measured = all_excused("nothing is measured while the sensor is silent");
+  for (const char* sensor : {"lidar", "imu", "wheels"}) faults.push_back(with(not_measured, silent(sensor)));
+  faults.push_back(with(not_measured, all_silent()));
+  faults.push_back(with(time_excused("the disk is tried again every 2 s"), disk_full()));
+  faults.push_back(with(all_excused("the interface carries the LiDAR's packets too"), interface_down()));
   faults.push_back(each_killed_in_turn());
   for (std::size_t part = 0; part < kPairDrives; ++part) faults.push_back(pairs_killed(part));
   for (const char* command : kCommands) faults.push_back(killed_again_and_again(command));

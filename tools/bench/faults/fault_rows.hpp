@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/bench/faults/fault_report.hpp"
 #include "tools/bench/faults/stack_drive.hpp"
 
 namespace curbstone::bench::faults {
@@ -15,6 +16,7 @@ struct Fault {
   double seconds = 18;                      ///< of driving
   std::string simulate = {};                ///< more options of `curbstone simulate`
   int disk_mb = 0;                          ///< StackOptions
+  Excuse excuse = {};
 };
 
 /// All rows, from no fault to the worst.

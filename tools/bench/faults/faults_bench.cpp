@@ -16,6 +16,7 @@
 #include "common/config/command_line.hpp"
 #include "services/semantic_map/store/map_store.hpp"
 #include "services/semantic_map/tile/map_types.hpp"
+#include "tools/bench/faults/fault_limits.hpp"
 #include "tools/bench/faults/fault_report.hpp"
 #include "tools/bench/faults/fault_rows.hpp"
 #include "tools/evaluate/map_difference.hpp"
@@ -37,6 +38,7 @@ struct FaultsBenchOptions {
   std::string only, json;
   double seconds = 0;  // 0: as given by the row
   bool list = false;
+  bool check = false;
 };
 
 evaluate::StoredMap read_map(const std::string& file) {
@@ -118,6 +120,9 @@ class FaultsBench {
     FaultRow row;
     row.fault = fault.name;
     row.drives = attempt;
+    row.seconds = fault.seconds;
+    row.is_undisturbed = fault.name.starts_with("none");
+    row.excuse = fault.excuse;
     row.emulator_late_s = drive.emulator_late();
     row.said = drive.faults_said();
     row.ended_cleanly = drive.ended_cleanly();
@@ -192,7 +197,11 @@ int measure_all(const FaultsBenchOptions& options) {
   if (bench.report().rows.empty()) throw std::runtime_error("no row's name contains '" + options.only + "'");
   for (const Undisturbed& drive : bench.report().undisturbed) fmt::print("{}\n", to_line(drive));
   for (const std::string& line : table_lines(bench.report())) fmt::print("{}\n", line);
-  return 0;
+  if (!options.check) return 0;
+  const std::vector<std::string> broken = broken_limits(bench.report());
+  for (const std::string& row : unjudged(bench.report())) fmt::print("NOT JUDGED, the machine was busy: {}\n", row);
+  for (const std::string& line : broken) fmt::print("BROKEN {}\n", line);
+  return broken.empty() ? 0 : 1;
 }
 
 }  // namespace
@@ -211,6 +220,7 @@ int run_bench_faults(int argc, char** argv) {
   line.option("--config", options.config, "The vehicle's YAML file").shows_default();
   line.option("--keep", options.folder, "Keep what the drives left in this folder");
   line.flag("--list", options.list, "Only name the rows");
+  line.flag("--check", options.check, "Exit with status 1 if a row breaks its limits (tools/bench/faults/README.md)");
   line.option("--json", options.json, "Write the figures to this file too");
   if (const auto status = line.read(argc, argv)) return *status;
   if (options.list) {

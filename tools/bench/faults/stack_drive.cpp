@@ -175,6 +175,14 @@ void StackDrive::freeze(const std::string& command, double seconds) {
   fault_is_over();
 }
 
+void StackDrive::hang(const std::string& command) {
+  const int victim = bus_.pid(command);
+  if (victim <= 0) throw std::runtime_error(command + " does not run");
+  killed_.insert(victim);
+  kill(victim, SIGSTOP);
+  deed_done();
+}
+
 void StackDrive::lose_power() {
   deputy_->send_signal(SIGKILL);
   for (const std::string& command : commands_) kill_without_notice(command);

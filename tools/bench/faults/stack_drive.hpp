@@ -47,6 +47,8 @@ class StackDrive {
   void kill_command(const std::string& command);
   /// Stops a command with SIGSTOP for `seconds`.
   void freeze(const std::string& command, double seconds);
+  /// Stops a command with SIGSTOP for good: it hangs.
+  void hang(const std::string& command);
   /// Kills all processes at once, then starts all again.
   void lose_power();
   /// Kills two commands at the same moment.

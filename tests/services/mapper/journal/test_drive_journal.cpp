@@ -260,7 +260,7 @@ TEST_F(DriveJournalTest, AdoptedIsKeptYoungUntilTheNextOneHasAsMuch) {
     std::filesystem::last_write_time(other, std::filesystem::file_time_type::clock::now() - std::chrono::seconds(15));
   };
   DriveJournal successor(other, kMaxBytes, "settings");
-  successor.adopt();
+  successor.adopt(*read());
   make_old();
   const auto wait_until_young = [&](const std::function<void()>& step) {
     for (int i = 0; i < 2000 && *age_of_journal(other) > 5; ++i) {

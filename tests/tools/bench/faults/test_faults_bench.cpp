@@ -5,12 +5,14 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <stdexcept>
 
 #include "tests/temporary_folder.hpp"
+#include "tools/bench/faults/fault_limits.hpp"
 #include "tools/bench/faults/fault_report.hpp"
 #include "tools/bench/faults/fault_rows.hpp"
 #include "tools/bench/faults/small_disk.hpp"
@@ -45,6 +47,41 @@ TEST(FaultReport, SaysWhatWasNotBackBeforeTheEnd) {
   EXPECT_EQ(json["rows"][1]["said"], "ekf: lost; mapper: lost");
   EXPECT_EQ(json["undisturbed"][0]["poses"], 360);
   EXPECT_THROW(write_report(report, "/nowhere/figures.json"), std::runtime_error);
+}
+
+TEST(FaultLimits, AreTwiceTheSpreadNoPoseAndASecond) {
+  FaultReport report;
+  report.undisturbed = {{.seconds = 18, .cells = 90'000, .poses = 361, .live_cells_differ = 200},
+                        {.seconds = 60, .cells = 90'000, .poses = 361, .live_cells_differ = 900}};
+  const FaultRow good{.fault = "good",
+                      .cells_differ = 400,
+                      .poses_missing = 0,
+                      .back_s = 1.0,
+                      .ended_cleanly = true,
+                      .map = "ok",
+                      .seconds = 18};
+  report.rows = {good};
+  EXPECT_THAT(broken_limits(report), ::testing::IsEmpty());
+  const auto broken_by = [&](const std::function<void(FaultRow&)>& change) {
+    report.rows = {good};
+    change(report.rows[0]);
+    return broken_limits(report);
+  };
+  using ::testing::ElementsAre;
+  EXPECT_THAT(broken_by([](FaultRow& row) { row.cells_differ = 401; }),
+              ElementsAre("good: 401 cells differ, more than 400"));
+  EXPECT_THAT(broken_by([](FaultRow& row) { row.cells_differ = 1700, row.seconds = 60; }), ::testing::IsEmpty());
+  EXPECT_THAT(broken_by([](FaultRow& row) { row.poses_missing = 1; }), ElementsAre("good: 1 poses are missing"));
+  EXPECT_THAT(broken_by([](FaultRow& row) { row.back_s = 1.2; }), ElementsAre(HasSubstr("back after 1.2 s")));
+  EXPECT_THAT(broken_by([](FaultRow& row) { row.back_s.reset(); }), ElementsAre("good: not back before the end"));
+  EXPECT_THAT(broken_by([](FaultRow& row) { row.ended_cleanly = false; }), ElementsAre(HasSubstr("ended")));
+  EXPECT_THAT(broken_by([](FaultRow& row) { row.map = "malformed"; }), ElementsAre(HasSubstr("malformed")));
+  const auto much = [](FaultRow& row) { row.cells_differ = 9000, row.poses_missing = 40, row.back_s = 5.0; };
+  EXPECT_EQ(broken_by(much).size(), 3U);
+  EXPECT_EQ(broken_by([&](FaultRow& row) { much(row), row.excuse = {Excuse::Covers::kTime, "slow"}; }).size(), 2U);
+  EXPECT_EQ(broken_by([&](FaultRow& row) { much(row), row.excuse = {Excuse::Covers::kAll, "gone"}; }).size(), 0U);
+  EXPECT_THAT(broken_by([&](FaultRow& row) { much(row), row.emulator_late_s = 1; }), ::testing::IsEmpty());
+  EXPECT_THAT(unjudged(report), ElementsAre("good"));
 }
 
 TEST(FaultReport, ComparesNothingWithADriveThatTheMachineSpoiled) {

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+namespace curbstone::mapper::detection {
+
+/// Whether odometry is of a filter that was started again a moment ago. It goes on from what its predecessor kept, and
+/// does not know what happened in the gap; then it settles. Until then its motion says nothing of the LiDAR. Pure.
+class OdometryRestart {
+ public:
+  static constexpr std::int64_t kStep = 60'000;        ///< us: no filter leaves out as much between two samples,
+  static constexpr double kSteps = 2.5;                ///< or so many steps of a slower one
+  static constexpr std::int64_t kSettles = 5'000'000;  ///< us
+
+  /// Takes the end of the next revolution, us, and the longest step of odometry shortly before it, us.
+  void add(std::int64_t utime, std::int64_t longest_step) {
+    usual_step_ = std::min(usual_step_, std::max<std::int64_t>(longest_step, 1));
+    if (longest_step > kStep && static_cast<double>(longest_step) > kSteps * static_cast<double>(usual_step_))
+      at_ = utime;
+    if (utime - at_ >= kSettles || utime < at_) at_ = 0;
+  }
+  [[nodiscard]] bool is_recent() const { return at_ != 0; }
+
+ private:
+  std::int64_t usual_step_ = std::numeric_limits<std::int64_t>::max();  // us
+  std::int64_t at_ = 0;                                                 // us; 0: long ago
+};
+
+}  // namespace curbstone::mapper::detection
