@@ -60,6 +60,7 @@ std::string state_json(const State& state, const VehicleConfig& vehicle) {
                   {"behind", state.behind},
                   {"bus_age", state.bus_age},
                   {"tile_age", state.tile_age},
+                  {"index_age", state.index_age},
                   {"pose_age", state.pose_age},
                   {"new_map_age", state.new_map_age},
                   {"latency", {state.latency_p50, state.latency_p95}},

@@ -28,6 +28,7 @@ struct State {
   std::size_t behind = 0;  ///< tiles announced but not received yet
   double bus_age = 0;      ///< of any message
   double tile_age = 0;
+  double index_age = 0;  ///< of TILE_INDEX of the map shown: semantic_map sends it each second, also at a standstill
   double pose_age = 0;
   double new_map_age = 0;  ///< s of the drive since a map began that does not continue the one before; NaN: none did
   double latency_p50 = 0;  ///< s, from the LiDAR's measurement to the drawn frame; NaN: no frame was drawn

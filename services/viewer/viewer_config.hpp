@@ -18,7 +18,7 @@ struct ViewerConfig {
   std::string names;          ///< further host names for browsers, separated by commas
   int pages = 8;              ///< that may be connected at a time
   double frame_period = 0.1;  ///< s between two frames of a page
-  int scan_points = 3000;     ///< of a LiDAR revolution, for pages that show it
+  int scan_points = 2000;     ///< of a LiDAR revolution, for pages that show it
   std::string network;        ///< file of the network namespace to listen in
   std::string assets;         ///< folder
   int foxglove_port = 0;

@@ -102,7 +102,7 @@ void ViewerNode::restart() {
   held_.clear();
   left_ = 0;
   localized_.reset();
-  bus_heard_ = tile_heard_ = pose_heard_ = newest_utime_ = 0;
+  bus_heard_ = tile_heard_ = index_heard_ = pose_heard_ = newest_utime_ = 0;
   for (auto& [id, page] : pages_) {
     if (page.feed) page.feed->restart();
   }
@@ -120,6 +120,7 @@ void ViewerNode::enter_epoch(std::int32_t epoch) {
   counters_.add("epochs");
   if (!is_new_map() && !path_.points().empty()) left_ = path_.points().back().utime;
   forget_map();
+  tile_heard_ = index_heard_ = 0;
   tiles_.start_epoch(epoch);
   for (const map_trajectory_t& page : std::exchange(held_, {})) {
     if (page.epoch == epoch) take(page);
@@ -151,6 +152,8 @@ void ViewerNode::on(const tile_index_t& message) {
   cloud_.on(message);
   if (message.channel != "SEMANTIC_TILE") return heard();
   if (!follow_epoch(message.epoch, EpochFollower::Source::kOther)) return;
+  index_heard_ = now_;
+  index_position_ = playback_ ? playback_->position : 0;
   if (tiles_.behind() < kMaxBehind) tiles_.announced(message);
 }
 
@@ -315,6 +318,8 @@ State ViewerNode::state_for(const Page& page) const {
           .behind = tiles_.behind(),
           .bus_age = seconds_since(bus_heard_, now_),
           .tile_age = seconds_since(tile_heard_, now_),
+          .index_age = playback_ && index_heard_ != 0 ? std::max(0.0, playback_->position - index_position_)
+                                                      : seconds_since(index_heard_, now_),
           .pose_age = seconds_since(pose_heard_, now_),
           .new_map_age = is_new_map() && pose_ ? seconds_since(path_.points().front().utime, pose_->utime)
                                                : std::numeric_limits<double>::quiet_NaN(),

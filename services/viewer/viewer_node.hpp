@@ -124,6 +124,8 @@ class ViewerNode final : public Node {
   std::int64_t now_ = 0;  // us, of the last tick()
   std::int64_t bus_heard_ = 0;
   std::int64_t tile_heard_ = 0;
+  std::int64_t index_heard_ = 0;
+  double index_position_ = 0;  // s, in a log: its index ages in its own time, however slowly it is played
   std::int64_t pose_heard_ = 0;
   std::int64_t localized_heard_ = 0;
   std::int64_t last_request_ = 0;

@@ -26,7 +26,7 @@ class FoxgloveReaders : public ::testing::Test {
  protected:
   void SetUp() override {
     const auto packages = test::foxglove_packages();
-    if (!packages) GTEST_SKIP() << "needs node, npm, and once its registry";
+    if (!packages) GTEST_SKIP() << "needs node, npm (scripts/install-deps --readers), and once its registry";
     node_ = "cd " + *packages + " && node ";
     test::write_shown_log(path("log"), 12);
   }

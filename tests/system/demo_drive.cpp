@@ -79,7 +79,7 @@ DemoDrive::DemoDrive(const std::string& source, const std::string& deputy_option
   set("DEMO_IMU", "--set model=" + devices.imu);
   set("DEMO_ENCODER", devices.encoder == "modbus" ? "--set interface=modbus_rtu" : "");
   set("DEMO_LIDAR", "--set model=" + devices.lidar + " --set msop_port=0 --set difop_port=0");
-  setenv("DEMO_VIEWER", "--set port=0", 1);
+  set("DEMO_VIEWER", fmt::format("--set port={}", devices.viewer_port));
   setenv("CURBSTONE_CONFIG", test::source_path("config/ugv.yaml").c_str(), 1);
   deputy_ = std::make_unique<BackgroundProgram>("curbstone-deputy --config " + test::source_path("procman/demo.cfg") +
                                                     " --script go --exit-when simulate --log-dir " +

@@ -26,11 +26,12 @@ struct MapContent {
 /// Share of the cells that either map knows in which both have the same class, 0..1.
 [[nodiscard]] double agreement(const std::string& map_file, const std::string& other_map_file);
 
-/// What the emulated vehicle carries, by the names that scripts/demo takes.
+/// What the emulated vehicle carries, by the names that scripts/demo takes, and where its page is.
 struct DemoDevices {
   std::string imu = "xsens";
   std::string encoder = "can";
   std::string lidar = "rs16";
+  int viewer_port = 0;  ///< of the page; 0: any. A page finds a viewer that was started again only at the same one
 };
 
 /// The real processes of procman/demo.cfg under the deputy, driven by the emulated vehicle in real time over UDP.

@@ -1,8 +1,15 @@
 #include "services/viewer/frames/page_feed.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 
 namespace curbstone::viewer::frames {
+namespace {
+
+constexpr std::int64_t kScanPeriod =
+    200'000;  // us: points are most of what a page gets, and lie where they were measured
+
+}  // namespace
 
 bool PageFeed::is_behind(const World& world) const {
   return epoch_ != world.epoch || !world.steps.from(number_).has_value();
@@ -30,8 +37,10 @@ std::vector<std::uint8_t> PageFeed::make(const World& world, std::string_view st
   write_path(out, world.path, everything ? 0 : path_points_, everything);
   path_round_ = world.path.round();
   path_points_ = world.path.points().size();
-  if (wants_points_ && scan_number_ != world.scan_number) {
+  const bool is_due = !scan_sent_ || std::abs(world.now - *scan_sent_) >= kScanPeriod;
+  if (wants_points_ && scan_number_ != world.scan_number && is_due) {
     write_points(out, world.scan);
+    scan_sent_ = world.now;
     scan_number_ = world.scan_number;
   }
   if (world.cloud != nullptr) write_cloud(out, cloud_, *world.cloud, world.now);

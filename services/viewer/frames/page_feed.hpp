@@ -80,6 +80,7 @@ class PageFeed {
   std::uint32_t path_round_ = 0;
   std::size_t path_points_ = 0;
   std::uint64_t scan_number_ = 0;
+  std::optional<std::int64_t> scan_sent_;  // us
   std::uint64_t services_number_ = 0;
   std::int64_t newest_utime_ = 0;
   bool wants_points_ = false;

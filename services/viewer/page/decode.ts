@@ -128,7 +128,7 @@ function readCloud(reader: Reader, { cloud }: World): void {
 /// Applies a frame and returns its number.
 export function readFrame(buffer: ArrayBuffer, world: World): number {
   const reader = new Reader(new DataView(buffer), 0, buffer.byteLength);
-  const frame = reader.u32();
+  const frame = reader.u32(), { scan } = world;
   while (reader.left > 0) {
     const kind = reader.u8();
     const section = reader.part(reader.u32());
@@ -146,5 +146,6 @@ export function readFrame(buffer: ArrayBuffer, world: World): number {
     if (kind === 9) readCloud(section, world);
     if (kind === 7) world.services = JSON.parse(section.text());
   }
+  if (world.scan !== scan) world.scanPose = world.state?.pose ?? null;
   return frame;
 }

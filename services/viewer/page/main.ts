@@ -12,6 +12,7 @@ import { clock, Timeline } from "./cards/timeline";
 import { fit, uncover } from "./cards/free_area";
 import { CloudLayer } from "./cloud_layer";
 import { Connection } from "./connection";
+import { wireControls } from "./controls";
 import { Camera } from "./drawing/camera";
 import { Ground } from "./drawing/ground";
 import { DraftMode } from "./drawing/draft_mode";
@@ -26,10 +27,9 @@ import { TiltedMarks } from "./drawing/tilted/tilted_marks";
 import { Tilting } from "./drawing/tilted/tilting";
 import { byId, fixed, seconds } from "./format";
 import { listen } from "./gestures";
-import { listenToKeys } from "./keys";
 import { Rewind } from "./past/rewind";
 import { Settings } from "./settings";
-import { judge, judgePast, kElsewhere, kNoCloud, kNoLink } from "./staleness";
+import { isLocalized, judge, judgePast, kElsewhere, kNoCloud, kNoLink } from "./staleness";
 import { heightRange, isAnyInView, mapBounds, newestTime, placeUnder } from "./survey";
 import { Pose, World } from "./world";
 
@@ -51,7 +51,7 @@ let rewind: Rewind;
 let isWell = true;  // of the live data, whatever is shown
 let epoch = 0;       // of the shown map
 let range: [number, number] = [-1, 3];
-let grey = 0;
+let grey = 0, lives = false;  // lives: the vehicle, on a grey map
 let verdict: Verdict = { faults: 0, silent: 0, all: 0 };
 let wanted = false;
 
@@ -75,11 +75,11 @@ function draw(now: number): void {
   if (world.curbsChanged) ground.curbsChanged();
   if (world.markingsChanged) ground.markingsChanged();
   ground.draw(camera, { ...layers, theme: look, mode: settings.mode, byIntensity: settings.points === "intensity", cloudBy: settings.cloud,
-    range, now: newestTime(world), grey, draft, paper: kBackground[look] }, pose);
+    range, now: newestTime(world), grey, greyPoints: lives ? 0 : grey, draft, paper: kBackground[look] });
   const poses: [Pose, string][] = pose ? [[pose, kInk[look].vehicle]] : [], other = localized.poseAt(now);
   if (other && layers.localized) poses.unshift([other, kInk[look].localized]);
   marks.refresh(camera);
-  (camera.isTilted ? tiltedMarks : marks).draw(camera, look, layers, poses, inspector.picked, ruler.places, grey);
+  (camera.isTilted ? tiltedMarks : marks).draw(camera, look, layers, poses, inspector.picked, ruler.places, grey, lives);
   showScale(camera.scale);
   showTurn(camera);
   connection.drawn();
@@ -117,7 +117,7 @@ function onNews(): void {
   const { state } = world;
   if (world.epoch !== epoch) leaveMap();
   state?.pose ? motion.add(state.pose, performance.now()) : motion.clear();
-  if (state?.localized?.here) localized.add(state.localized, performance.now());
+  if (state?.localized && isLocalized(state)) localized.add(state.localized, performance.now());
   else localized.clear();
   showTimeline();
   const draws = initialLoad.drawsEachFrame(performance.now());
@@ -151,26 +151,30 @@ function showWhole(): void {
   settingsChanged();
 }
 
-/// Twice a second: updates what depends on the time or is not urgent.
-function look(): void {
+/// Five times a second: states whether what is shown is current.
+function watch(): void {
   const { state } = world, { isPast } = rewind;
-  const age = isPast ? 0 : connection.age() / 1000;
   const now = judge(rewind.live.state, rewind.live.services, connection.link());
   isWell = now.mood !== "bad";
   const judged = isPast ? judgePast(judge(state, world.services, kNoLink), clock(rewind.behind / 1000)) : now;
   if (!judged.sentence && world.tiles.size > 0 && initialLoad.shown && !isAnyInView(world, camera)) judged.sentence = kElsewhere;
   if (!judged.sentence && isPast && settings.layers.cloud) judged.sentence = kNoCloud;
+  showStatus(judged, now);
+  if (grey === judged.grey && lives === !!judged.lives) return;
+  [grey, lives] = [judged.grey, !!judged.lives];
+  redraw();
+}
+
+/// Twice a second: updates what depends on the time or is not urgent.
+function look(): void {
+  const { state } = world, { isPast } = rewind;
+  watch();
   showTimeline();
   if (initialLoad.asksForPart()) redraw();  // the part received so far
   settings.write(camera);
-  showStatus(judged, now);
-  if (grey !== judged.grey) {
-    grey = judged.grey;
-    redraw();
-  }
-  const latency = grey || isPast ? null : state?.latency[0] ?? null;
+  const latency = grey || isPast || state?.playback?.ended ? null : state?.latency[0] ?? null;
   byId("latency").textContent = latency === null ? "" : `${seconds(latency)} from sensor to screen`;
-  verdict = showServices(world.services, age, state?.playback ?? null);
+  verdict = showServices(world.services, isPast ? 0 : connection.age() / 1000, state?.playback ?? null);
   if (state) panel.showState(state, motion.speed);
   if (showSource(state)) resize();
   showSummary(state?.source === "map", motion.speed, latency, verdict.faults, verdict.silent);
@@ -294,24 +298,12 @@ function wire(): void {
       byId("place").textContent = placeUnder(world, camera, x, y).map(m => fixed(m, 1)).join(", ") + " m";
     },
   });
-  byId("follow").onclick = toggleFollow;
-  byId("north").onclick = toggleNorth;
-  byId("tilt").onclick = toggleTilt;
-  byId("measure").onclick = () => ruler.toggle();
-  byId("save").onclick = savePicture;
-  byId("aside").onclick = togglePanel;
-  byId("in").onclick = () => zoom(1.5);
-  byId("out").onclick = () => zoom(1 / 1.5);
-  byId("whole").onclick = showWhole;
-  const keys: Record<string, () => void> = {
-    f: toggleFollow, n: toggleNorth, t: toggleTilt, m: () => ruler.toggle(), p: savePicture, l: () => rewind.goLive(), "+": () => zoom(1.5), "=": () => zoom(1.5), "-": () => zoom(1 / 1.5), "0": showWhole,
-    " ": () => {
-      if (document.activeElement?.tagName !== "BUTTON" && !byId("timeline").hidden) byId("pause").click();
-    },
-    h: togglePanel, c: () => { settings.layers.cloud = !settings.layers.cloud; settingsChanged(); },
-    Escape: () => panel.isOpen ? panel.open(false) : ruler.isOn ? ruler.toggle() : inspector.pick(null),
-  };
-  listenToKeys(map, keys, walk, () => touched(...camera.middle));
+  wireControls({
+    follow: toggleFollow, north: toggleNorth, tilt: toggleTilt, measure: () => ruler.toggle(), save: savePicture, panel: togglePanel, zoom, whole: showWhole,
+    live: () => rewind.goLive(),
+    cloud: () => { settings.layers.cloud = !settings.layers.cloud; settingsChanged(); },
+    escape: () => panel.isOpen ? panel.open(false) : ruler.isOn ? ruler.toggle() : inspector.pick(null),
+  }, map, walk, () => touched(...camera.middle));
   new ResizeObserver(resize).observe(map);  // the window was resized, or the phone was turned
   addEventListener("resize", resize);       // the window moved to a screen of another pixel density
   addEventListener("hashchange", () => {    // a link was pasted, or the browser's Back was used
@@ -344,6 +336,7 @@ try {
   resize();
   look();
   setInterval(look, 500);
+  setInterval(watch, 200);
 } catch (error) {
   showFailure((error as Error).message);
 }

@@ -23,7 +23,7 @@
   }                                                              \
   }
 
-CURBSTONE_PAGE_FILE(index_html, CURBSTONE_PAGE_SOURCES "/index.html")
+CURBSTONE_PAGE_FILE(index_html, CURBSTONE_PAGE_BUNDLE "/index.html")
 CURBSTONE_PAGE_FILE(page_js, CURBSTONE_PAGE_BUNDLE "/page.js")
 CURBSTONE_PAGE_FILE(page_css, CURBSTONE_PAGE_BUNDLE "/page.css")
-CURBSTONE_PAGE_FILE(icon_svg, CURBSTONE_PAGE_SOURCES "/icon.svg")
+CURBSTONE_PAGE_FILE(icon_svg, CURBSTONE_PAGE_BUNDLE "/icon.svg")

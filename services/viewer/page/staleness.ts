@@ -2,7 +2,8 @@
 import { seconds } from "./format";
 import { Service, State } from "./world";
 
-const kOld = 1.5;       // s
+export const kOld = 1.3;  // s: with a frame's period, that of the looks, and the drawing, less than two seconds
+const kMapOld = 2.5;    // s: semantic_map announces its tiles and its state each second
 const kPatience = 4;    // s, before the page states what it waits for
 const kNews = 30;       // s for which a new map is announced
 
@@ -11,6 +12,7 @@ export interface Judgement {
   sentence: string;  // over the map: the fault, or what the page waits for; empty: all is well
   mood: "good" | "bad" | "past" | "";
   grey: number;      // 0 .. 1
+  lives?: boolean;   // the vehicle and its LiDAR are current although the map is grey
 }
 
 /// What the page knows of its connection. `age`: s since the last frame; `refusal`: why the viewer refuses the page.
@@ -37,9 +39,26 @@ export function judge(state: State | null, services: Service[], { isOpen, age, r
   if (state.pose_age === null) return { word: "Waiting", sentence: state.tiles > 0 ? "" : "The bus is alive. No pose has come from the mapper yet", mood: "", grey: 0 };
   if (state.pose_age > kOld)
     return { word: "Stale", mood: "bad", grey: 1, sentence: `No pose for ${seconds(state.pose_age)}: this is how it was` };
+  const silence = mapSilence(state, services);
+  if (silence > kMapOld)
+    return { word: "Map stale", mood: "bad", grey: 1, lives: !state.pose?.lost, sentence: `semantic_map has been silent for ${seconds(silence)}: the map is old` };
   if (state.pose?.lost) return { word: "Lost", mood: "bad", grey: 0, sentence: "The mapper has lost the vehicle: its pose is a guess" };
   const sentence = newMap(state, services) || (state.tiles > 0 ? "" : "Poses come. No map has come from semantic_map yet");
   return { word: state.source === "replay" ? "Replay" : "Live", sentence, mood: "good", grey: 0 };
+}
+
+/// s since semantic_map was last heard, be it by its state or by what it announces: at a standstill it sends no tiles. 0:
+/// nothing of it was ever heard. A log is counted in its own time, which only the announcements are.
+function mapSilence({ index_age: index, tile_age: tile, playback }: State, services: Service[]): number {
+  if (playback) return index ?? 0;
+  const ages = services.filter(({ name }) => name === "semantic_map").map(({ age }) => age);
+  if (index !== null) ages.push(index);
+  return ages.length === 0 ? 0 : Math.min(...ages, tile ?? Infinity);
+}
+
+/// Whether the localizer speaks. While a log stands, nobody does.
+export function isLocalized({ localized, playback }: State): boolean {
+  return !!localized?.here && (localized.age <= kOld || !!playback?.paused || !!playback?.ended);
 }
 
 /// Why another map began is in the mapper's own words.

@@ -59,7 +59,7 @@ export interface Playback { position: number; progress: number; speed: number; p
 
 export interface State {
   source: "live" | "map" | "replay"; title: string; epoch: number; tiles: number; behind: number;
-  bus_age: number | null; tile_age: number | null; pose_age: number | null;
+  bus_age: number | null; tile_age: number | null; index_age: number | null; pose_age: number | null;
   new_map_age: number | null;  // s of the drive since a map began that does not continue the one before
   latency: [number | null, number | null];
   vehicle: [number, number, number];  // m: length, width, x of the middle
@@ -78,7 +78,7 @@ export interface Snapshot {
   run: number; epoch: number; number: number;
   tiles: Map<string, Tile>; curbs: Map<number, CurbLine>; markings: Map<number, MarkingLine>;
   path: number[]; pathLength: number;  // the array may have grown since
-  scan: Float32Array; state: State | null; services: Service[];
+  scan: Float32Array; scanPose: Pose | null; state: State | null; services: Service[];
 }
 
 export class World {
@@ -97,6 +97,7 @@ export class World {
   path: number[] = [];  // x, y, z in turn
   pathChanged = true;
   scan: Float32Array = new Float32Array();  // x, y, z in base_link, m, and intensity 0..1, in turn
+  scanPose: Pose | null = null;  // the vehicle's, when the scan was received
   scanChanged = false;
   cloud = new Cloud();  // in no snapshot: the history has none
   state: State | null = null;
@@ -118,6 +119,7 @@ export class World {
     this.markings.clear();
     this.path = [];
     this.scan = new Float32Array();
+    this.scanPose = null;
     this.cloud.clear();
     this.cleared = this.curbsChanged = this.markingsChanged = this.pathChanged = this.scanChanged = true;
   }
@@ -134,8 +136,8 @@ export class World {
 
   snapshot(): Snapshot {
     for (const tile of this.tiles.values()) tile.kept = true;
-    const { run, epoch, number, path, scan, state, services } = this;
-    return { run, epoch, number, tiles: new Map(this.tiles), curbs: new Map(this.curbs), markings: new Map(this.markings), path, pathLength: path.length, scan, state, services };
+    const { run, epoch, number, path, scan, scanPose, state, services } = this;
+    return { run, epoch, number, tiles: new Map(this.tiles), curbs: new Map(this.curbs), markings: new Map(this.markings), path, pathLength: path.length, scan, scanPose, state, services };
   }
 
   /// Takes the content of the snapshot; only differences count as changed.
@@ -150,8 +152,8 @@ export class World {
     this.curbs = new Map(other.curbs);
     this.markings = new Map(other.markings);
     this.path = other.path.slice(0, other.pathLength);
-    const { run, epoch, number, scan, state, services } = other;
-    Object.assign(this, { run, epoch, number, scan, state, services });
+    const { run, epoch, number, scan, scanPose, state, services } = other;
+    Object.assign(this, { run, epoch, number, scan, scanPose, state, services });
     this.curbsChanged = this.markingsChanged = this.pathChanged = this.scanChanged = true;
   }
 }

@@ -9,6 +9,7 @@
 #include "services/viewer/page/page_files.hpp"
 #include "tools/bench/viewer/page_figures.hpp"
 #include "tools/bench/viewer/page_traffic.hpp"
+#include "tools/bench/viewer/viewer_cpu.hpp"
 #include "tools/browser/browser.hpp"
 #include "tools/output/text_file.hpp"
 
@@ -16,6 +17,8 @@ namespace curbstone::bench::viewer {
 namespace {
 
 namespace page = curbstone::viewer::page;
+
+constexpr double kCpuSeconds = 30;  // of the drive, for each figure
 
 nlohmann::json traffic_json(const PageTraffic& traffic, double seconds) {
   nlohmann::json sections = nlohmann::json::object();
@@ -55,6 +58,23 @@ void print_page(const nlohmann::json& page) {
                frames.get<double>());
 }
 
+nlohmann::json cpu_json(const ViewerCpu& cpu) {
+  return {{"seconds", cpu.seconds},
+          {"without_page", cpu.without_page},
+          {"with_two_pages", cpu.with_two_pages},
+          {"frames_per_s", cpu.frames_per_s},
+          {"mb_per_s", cpu.mb_per_s}};
+}
+
+void print_cpu(const ViewerCpu& cpu) {
+  fmt::print(
+      "\n  the viewer, {:.0f} s at pace     {:>6.3f} of a core without a page, {:.3f} with two that read ({:.1f} "
+      "frames/s and "
+      "{:.3f} MB/s each)\n",
+      cpu.seconds, cpu.without_page, cpu.with_two_pages, cpu.frames_per_s, cpu.mb_per_s);
+  std::fflush(stdout);
+}
+
 nlohmann::json measure(const std::string& log, bool draws) {
   const DriveTraffic drive = measure_traffic(log);
   const std::size_t files =
@@ -69,6 +89,9 @@ nlohmann::json measure(const std::string& log, bool draws) {
                       {"bundle_kb", static_cast<double>(files) * 1e-3}};
   print_traffic(json);
   if (!draws) return json;
+  const ViewerCpu cpu = measure_cpu(log, kCpuSeconds);
+  json["cpu"] = cpu_json(cpu);
+  print_cpu(cpu);
   if (!browser::Browser::is_installed()) {
     fmt::print(stderr, "curbstone bench viewer: no chromium-headless-shell, so nothing is drawn\n");
     return json;
@@ -84,12 +107,13 @@ int run_bench_viewer(int argc, char** argv) {
   std::string log, json_file;
   bool only_traffic = false;
   CommandLine line(
-      "What a page of curbstone-viewer costs the network in a recorded drive, on the clock of its messages, and how "
-      "soon and how often it draws in Chromium without a graphics card",
+      "What a page of curbstone-viewer costs the network in a recorded drive, on the clock of its messages, what the "
+      "viewer takes of the processor, and how soon and how often the page draws in Chromium without a graphics card",
       "curbstone bench viewer");
   line.argument("log", log, "Log with LIDAR_POINTS, IMU and WHEELS").required();
   line.option("--json", json_file, "Write the figures to this file too");
-  line.flag("--traffic", only_traffic, "Only what is counted; nothing is drawn, so that a busy machine gives the same");
+  line.flag("--traffic", only_traffic,
+            "Only what is counted; nothing is timed or drawn, so that a busy machine gives the same");
   if (const auto status = line.read(argc, argv)) return *status;
   const nlohmann::json json = measure(log, !only_traffic);
   if (!json_file.empty()) output::write_text(json_file, json.dump(2) + '\n');

@@ -1,6 +1,7 @@
-// The cross-section of a curb: the dense cloud's points and the map's cells along its normal, and the step fitted to the
-// points there.
+// The cross-section of a curb: the dense cloud's points and the map's cells along its normal, and the sides fitted to
+// them.
 import { make } from "../format";
+import { fitSides, Sides, Spot, upAt } from "./curb_sides";
 import { CurbLine, heightOf, kCellSize, kCells, kTileSize, World } from "../world";
 
 const kReach = 1.5;  // m, to either side
@@ -45,7 +46,7 @@ function segmentDistance({ n, values }: CurbLine, i: number, x: number, y: numbe
 }
 
 /// The cells within the band, from the lower side to the higher one.
-export function cutAcross(world: World, curb: CurbPlace): CutCell[] {
+function cutAcross(world: World, curb: CurbPlace): CutCell[] {
   const found: CutCell[] = [], [sx, sy] = curb.side;
   const first = (middle: number) => Math.floor((middle - kReach - kBand) / kTileSize);
   const last = (middle: number) => Math.floor((middle + kReach + kBand) / kTileSize);
@@ -64,8 +65,8 @@ export function cutAcross(world: World, curb: CurbPlace): CutCell[] {
 }
 
 /// The points of the dense cloud within the band: m from the foot line, m above the foot. None, if the viewer sent none.
-export function pointsAcross({ cloud }: World, curb: CurbPlace): [number, number][] {
-  const found: [number, number][] = [], [sx, sy] = curb.side;
+function pointsAcross({ cloud }: World, curb: CurbPlace): Spot[] {
+  const found: Spot[] = [], [sx, sy] = curb.side;
   cloud.near(curb.x, curb.y, kReach + kBand, (x, y, z) => {
     const [dx, dy] = [x - curb.x, y - curb.y], across = dx * sx + dy * sy, up = z - curb.foot;
     if (Math.abs(across) > kReach || Math.abs(dx * sy - dy * sx) > kBand || up < kLowest || up > kHighest) return;
@@ -81,13 +82,25 @@ export function lengthOf({ n, values }: CurbLine): number {
   return length;
 }
 
+function outline({ low, high }: Sides): Spot[] {
+  return [[low.from, upAt(low, low.from)], [0, low.foot], [0, high.foot], [high.to, upAt(high, high.to)]];
+}
+
 const kSvg = "http://www.w3.org/2000/svg";
 const kWide = 232, kHigh = 96, kLowest = -0.15, kHighest = 0.45;  // pixels; m above the foot
 
-/// Draws the cells as dots in the colour of their class, the points as small ones, the fitted step as a line, and a 10 cm
-/// scale. The step of a
-/// lowered curb is dashed and that of an inferred one dotted, as on the map.
-export function drawCut(cells: CutCell[], points: [number, number][], curb: CurbPlace, colourOf: (kind: number) => string): HTMLElement {
+/// A cross-section. `sides`: fitted to the points, where there are enough of them, otherwise to the cells.
+export interface Cut { cells: CutCell[]; points: Spot[]; sides: Sides | null }
+
+export function cutOf(world: World, curb: CurbPlace): Cut {
+  const cells = cutAcross(world, curb), points = pointsAcross(world, curb);
+  return { cells, points, sides: fitSides(points) ?? fitSides(cells.map(({ across, up }) => [across, up])) };
+}
+
+/// Draws the cells as dots in the colour of their class, the points as small ones, the sides and the step between them as
+/// a line, and a 10 cm scale. Without fitted sides the line is the map's step. The line of a lowered curb is dashed and
+/// that of an inferred one dotted, as on the map.
+export function drawCut({ cells, points, sides }: Cut, curb: CurbPlace, colourOf: (kind: number) => string): HTMLElement {
   const x = (across: number) => (across / kReach + 1) / 2 * kWide;
   const y = (up: number) => kHigh * (kHighest - Math.min(kHighest, Math.max(kLowest, up))) / (kHighest - kLowest);
   const svg = document.createElementNS(kSvg, "svg");
@@ -99,12 +112,12 @@ export function drawCut(cells: CutCell[], points: [number, number][], curb: Curb
   };
   add("line", { class: "rule", x1: 5, x2: 5, y1: y(0), y2: y(0.1) });
   const dashes = curb.line.inferred ? "1 4" : curb.line.dropped ? "5 4" : "none";
-  add("polyline", { class: "step", "stroke-dasharray": dashes, points: `0,${y(0)} ${x(0)},${y(0)} ${x(0)},${y(curb.height)} ${kWide},${y(curb.height)}` });
+  add("polyline", { class: "step", "stroke-dasharray": dashes, points: (sides ? outline(sides) : [[-kReach, 0], [0, 0], [0, curb.height], [kReach, curb.height]]).map(([across, up]) => `${x(across)},${y(up)}`).join(" ") });
   for (const cell of cells) add("circle", { cx: x(cell.across), cy: y(cell.up), r: 3, fill: colourOf(cell.kind) });
   for (const [across, up] of points) add("rect", { x: x(across) - 1, y: y(up) - 1, width: 2, height: 2 });
   const what = points.length > 0 ? "Cells and points (small)" : "Cells";
   const figure = make("figure", "", "cut", make("figcaption", cells.length === 0 ? "No cell is known across it" :
-    `${what} across it, 1.5 m to each side; ${curb.line.inferred ? "dotted: inferred" : "line: the fitted step"}; bar: 10 cm`));
+    `${what} across it, 1.5 m to each side; line: ${sides ? "fitted to both sides" : "the map's step"}; bar: 10 cm`));
   figure.prepend(svg);
   return figure;
 }

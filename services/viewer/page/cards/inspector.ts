@@ -2,8 +2,8 @@
 import { classColours, css, kClassNames, Mode, Theme } from "../drawing/palette";
 import { byId, closeButton, fixed, list, make, metres, seconds, setText } from "../format";
 import { newestTime } from "../survey";
-import { cellAt, heightOf, kUnknownCost, Tile, World } from "../world";
-import { CurbPlace, curbAt, CutCell, cutAcross, drawCut, lengthOf, pointsAcross } from "./cross_section";
+import { cellAt, heightOf, kCellSize, kTileSize, kUnknownCost, Tile, World } from "../world";
+import { CurbPlace, curbAt, CutCell, cutOf, drawCut, lengthOf } from "./cross_section";
 
 export class Inspector {
   picked: [number, number] | null = null;  // m in map
@@ -23,8 +23,8 @@ export class Inspector {
     this.changed();
   }
 
-  /// Where a curb is selected, m in map; null: none is.
-  get cut(): [number, number] | null { return this.picked && curbAt(this.world, ...this.picked) ? this.picked : null; }
+  /// Around which place, m in map, the card needs the dense cloud: for the cell's points or a curb's section; null: none.
+  get cut(): [number, number] | null { return this.picked; }
 
   show(theme: Theme, mode: Mode): void {
     const hit = this.picked && cellAt(this.world, ...this.picked);
@@ -39,6 +39,7 @@ export class Inspector {
       ["Height", height === null ? "none" : `${fixed(height, 3)} m`],
       ["Cost", cost === kUnknownCost ? "unknown" : cost === 254 ? "254, lethal" : `${cost}`],
       ["Confidence", `${Math.round(tile.confidences[index] / 2.55)} %`],
+      ...this.evidence(this.picked),
       ...this.ages(tile),
       ["Place", `${fixed(this.picked[0], 2)}, ${fixed(this.picked[1], 2)} m`],
       ...this.distance(),
@@ -48,6 +49,17 @@ export class Inspector {
     // The curb comes first: a phone shows no more without scrolling.
     const above = curb ? [...this.curb(curb, colours.map(c => c ? css(c) : "transparent")), make("h4", "Cell")] : [];
     this.body.replaceChildren(...above, facts);
+  }
+
+  /// What the dense cloud has in the cell, if it was sent: one point per voxel of 0.1 m.
+  private evidence([x, y]: [number, number]): [string, string][] {
+    const { cloud } = this.world, cellOf = (m: number) => Math.floor(m / kCellSize), heights: number[] = [];
+    if (!cloud.tiles.has(`${Math.floor(x / kTileSize)},${Math.floor(y / kTileSize)}`)) return [];
+    cloud.near(x, y, 0, (px, py, pz) => {
+      if (cellOf(px) === cellOf(x) && cellOf(py) === cellOf(y)) heights.push(pz);
+    });
+    const [low, high] = [Math.min(...heights), Math.max(...heights)].map(m => fixed(m, 2));
+    return [["Points in it", heights.length === 0 ? "none" : heights.length === 1 ? `1, at ${low} m` : `${heights.length}, ${low} to ${high} m`]];
   }
 
   /// A saved map has no time of its curbs and one revision of each tile.
@@ -66,15 +78,16 @@ export class Inspector {
   }
 
   private curb(curb: CurbPlace, colours: string[]): HTMLElement[] {
-    const { line } = curb, facts = make("dl");
+    const { line } = curb, facts = make("dl"), cut = cutOf(this.world, curb), { sides } = cut;
     list(facts, [
       [line.inferred ? "Step, inferred" : "Step", `${metres(curb.height)}${line.rise > 0 ? ", up from the path" : line.rise < 0 ? ", down from the path" : ""}`],
+      ...sides ? [["Step fitted here", metres(sides.step)], ["Slope below, above", `${percent(sides.low.slope)}, ${percent(sides.high.slope)}`]] as [string, string][] : [],
       ["Foot", `${fixed(curb.foot, 3)} m`],
       ["Confidence", `${Math.round(100 * line.confidence)} %`],
       ["Line", metres(lengthOf(line))],
     ]);
-    const cells = cutAcross(this.world, curb), [title, sentence] = meaningOf(curb, cells);
-    return [make("h4", title), ...sentence ? [make("p", sentence)] : [], drawCut(cells, pointsAcross(this.world, curb), curb, kind => colours[kind]), facts];
+    const [title, sentence] = meaningOf(curb, cut.cells);
+    return [make("h4", title), ...sentence ? [make("p", sentence)] : [], drawCut(cut, curb, kind => colours[kind]), facts];
   }
 
   private distance(): [string, string][] {
@@ -91,6 +104,11 @@ function meaningOf({ line }: CurbPlace, cells: CutCell[]): [string, string] {
     return ["Inferred curb", `Nobody saw it: a bridge between two curbs that were seen.${hides}`];
   }
   return line.dropped ? ["Lowered curb", "As at a driveway or a crossing: its step is low."] : ["Curb", ""];
+}
+
+/// Of a side: rising towards the higher one.
+function percent(slope: number): string {
+  return `${fixed(Math.round(1000 * slope) / 10 + 0, 1)} %`;  // no −0.0
 }
 
 function ago(us: number): string {

@@ -3,6 +3,7 @@ import { byId, fixed, list, make, metres, seconds, setText } from "../format";
 import { classColours, CloudColour, css, kClassNames, kCloudColours, kModes, cloudRamp, Mode, ramp, Rgb, Theme } from "../drawing/palette";
 import { kInk } from "../drawing/ink";
 import { Layers, Settings } from "../settings";
+import { kOld } from "../staleness";
 import { Pose, State } from "../world";
 
 const kSvg = "http://www.w3.org/2000/svg";
@@ -114,7 +115,7 @@ function uncertainty({ covariance: [xx, xy, yy, turn] }: Pose): string {
 /// The localizer's state, if there is one.
 function localization({ localized, pose }: State): [string, string, boolean?][] {
   if (!localized) return [];
-  if (localized.age > 1.5) return [["Localizer", `silent for ${seconds(localized.age)}`, true]];
+  if (localized.age > kOld) return [["Localizer", `silent for ${seconds(localized.age)}`, true]];
   const where = `${fixed(localized.x, 2)}, ${fixed(localized.y, 2)} m`;
   const apart = localized.here && pose ? metres(Math.hypot(localized.x - pose.x, localized.y - pose.y)) : "in another map";
   return [

@@ -18,10 +18,13 @@ export interface Look {
   cloudBy: CloudColour;
   range: [number, number];  // m, ends of the height ramp
   now: number;              // us, reference time of the ages
-  grey: number;             // 0 .. 1: how stale the data are
+  grey: number;             // 0 .. 1: how stale the map is
+  greyPoints: number;       // the same of the LiDAR's points
   draft: boolean;           // draws the tilted view coarser and faster
   paper: Rgb;
 }
+
+const kScanKept = 1.5e6;  // us of the drive for which a scan is shown, where it was measured
 
 /// `cellWidth`: of the page's nearest cells, CSS pixels.
 export type Paint = (page: Page, cellWidth: number) => WebGLTexture;
@@ -72,7 +75,7 @@ export class Ground {
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   }
 
-  draw(camera: Camera, look: Look, pose: Pose | null): void {
+  draw(camera: Camera, look: Look): void {
     if (this.lost) return;
     const { gl, canvas, world } = this;
     this.pages.upload();
@@ -90,7 +93,8 @@ export class Ground {
       this.drawPages(camera, look, paint);
     }
     if (look.cloud) this.cloud.draw(world.cloud, camera, look, canvas.width / camera.width);
-    if (look.points && pose && this.numPoints > 0) this.drawPoints(camera, look, pose);
+    const pose = world.scanPose, age = pose && world.state?.pose ? world.state.pose.utime - pose.utime : 0;
+    if (look.points && pose && age < kScanKept && this.numPoints > 0) this.drawPoints(camera, look, pose);
     this.pages.forget();
   }
 
@@ -167,7 +171,7 @@ export class Ground {
     gl.uniformMatrix4fv(point.at("toClip"), false, camera.matrix());
     gl.uniformMatrix4fv(point.at("toMap"), false, matrixOf(pose, camera));
     gl.uniform1f(point.at("size"), Math.min(4, Math.max(1.6, camera.scale * 0.05)) * this.canvas.width / camera.width);
-    gl.uniform1f(point.at("grey"), look.grey);
+    gl.uniform1f(point.at("grey"), look.greyPoints);
     gl.uniform1i(point.at("byIntensity"), look.byIntensity ? 1 : 0);
     gl.uniform3fv(point.at("ramp"), pointRamp(look.theme).flatMap(unit));
     gl.bindBuffer(gl.ARRAY_BUFFER, this.points);

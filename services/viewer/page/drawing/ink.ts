@@ -2,6 +2,9 @@
 import { css, kPaint, Theme } from "./palette";
 import { Pose } from "../world";
 
+/// A filter for marks of what is stale.
+export const kGrey = "grayscale(1) opacity(0.55)";
+
 export interface Ink { curb: string; halo: string; paint: string; path: string; vehicle: string; body: string; localized: string }
 
 export const kInk: Record<Theme, Ink> = {

@@ -1,7 +1,7 @@
 // The marks above the ground in the view from above: curbs, path, vehicles, the selected cell; Canvas 2D.
 import { Layers } from "../settings";
 import { Anchor, anchorAt, Camera, isNear } from "./camera";
-import { ellipseOf, fillOf, Ink, kInk } from "./ink";
+import { ellipseOf, fillOf, Ink, kGrey, kInk } from "./ink";
 import { kPaintWidth } from "./paint_strips";
 import { Theme } from "./palette";
 import { Sheet } from "./sheet";
@@ -20,11 +20,11 @@ export class Marks {
     this.context = sheet.context;
   }
 
-  draw(camera: Camera, theme: Theme, layers: Layers, poses: [Pose, string][], picked: [number, number] | null, measured: Place[], grey: number): void {
+  draw(camera: Camera, theme: Theme, layers: Layers, poses: [Pose, string][], picked: [number, number] | null, measured: Place[], grey: number, lives: boolean): void {
     const { context } = this;
     const ink = kInk[theme];
     this.sheet.begin();
-    context.filter = grey > 0 ? "grayscale(1) opacity(0.55)" : "none";
+    context.filter = grey > 0 ? kGrey : "none";
     this.toMap(camera);
     const pixel = 1 / camera.scale;
     context.lineJoin = context.lineCap = "round";
@@ -33,6 +33,7 @@ export class Marks {
     if (layers.curbs) this.drawCurbs(ink, pixel, camera.scale);
     if (picked) this.drawPicked(picked, ink, pixel);
     if (measured.length > 0) this.drawMeasured(measured, ink, pixel);
+    if (lives) context.filter = "none";
     for (const [pose, colour] of poses) this.drawEllipse(pose, colour, pixel);
     for (const [pose, colour] of poses) this.drawVehicle(pose, colour, ink, pixel);
     this.sheet.show();

@@ -1,29 +1,27 @@
 // The history of the last minutes: the received frames, and every 20 s a snapshot of the world before a frame, from
 // which they can be applied. Bounded in time and in bytes.
 import { readFrame } from "../decode";
-import { Snapshot, World } from "../world";
+import { World } from "../world";
 import { NewMaps } from "./new_maps";
+import { Segment } from "./segment";
 import { thinScan } from "./thin_scan";
 
 const kSpan = 600_000;        // ms
 const kSegment = 20_000;      // ms between two snapshots: bounds the decoding for a jump
-const kTileBytes = 3_300;     // of a tile that only a snapshot still holds
-const kEntryBytes = 64;       // of a tile's or a line's entry in a snapshot
-
-interface Frame { at: number; bytes: ArrayBuffer }
-interface Segment { at: number; before: Snapshot; frames: Frame[]; bytes: number }
 
 export class History {
   newMaps = new NewMaps();  // ms
+  packing: Promise<void> = Promise.resolve();  // until everything closed is compressed, one segment after the other
   private segments: Segment[] = [];
   private copied = 0;  // tiles the world had copied at the last call
 
-  constructor(private mostBytes = 150e6) {}
+  /// `unpacked`: what lead() could not show yet can be shown now.
+  constructor(private mostBytes = 150e6, private unpacked: () => void = () => undefined) {}
 
   get bytes(): number { return this.segments.reduce((sum, { bytes }) => sum + bytes, 0); }
   /// ms, when the oldest kept frame was received; null: there is none.
-  get oldest(): number | null { return this.segments[0]?.frames[0]?.at ?? null; }
-  get newest(): number { return lastOf(lastOf(this.segments)?.frames ?? [])?.at ?? 0; }
+  get oldest(): number | null { return this.segments[0]?.times[0] ?? null; }
+  get newest(): number { return lastOf(lastOf(this.segments)?.times ?? []) ?? 0; }
 
   clear(): void {
     this.segments = [];
@@ -35,38 +33,45 @@ export class History {
     const last = lastOf(this.segments);
     const isFull = !last || at - last.at >= kSegment || last.bytes > this.mostBytes / 8;
     if (!isFull) return;
-    const before = world.snapshot();
+    if (last) this.packing = this.packing.then(() => this.segments.includes(last) ? last.close() : undefined);
+    this.segments.push(new Segment(at, world.snapshot()));
     this.copied = world.copied;
-    this.segments.push({ at, before, frames: [], bytes: kEntryBytes * (before.tiles.size + before.curbs.size) });
   }
 
   /// Call it after the frame was applied.
   add(world: World, bytes: ArrayBuffer, at: number): void {
-    const last = lastOf(this.segments)!;
     this.newMaps.note(world, at);
-    const kept = thinScan(bytes);
-    last.frames.push({ at, bytes: kept });
     // A copied tile is held by the snapshots up to this segment's, and is freed with it.
-    last.bytes += kept.byteLength + kTileBytes * (world.copied - this.copied);
+    lastOf(this.segments)!.add(thinScan(bytes), at, world.copied - this.copied);
     this.copied = world.copied;
     while (this.segments.length > 1 && (this.bytes > this.mostBytes || this.segments[1].at < at - kSpan)) this.segments.shift();
   }
 
   /// Takes `world`, which holds what was received up to `from` (null: it holds another time), to the state at `to`.
-  /// Returns when its newest frame was received.
-  lead(world: World, from: number | null, to: number): number {
+  /// Returns when its newest frame was received; null: nothing has changed, the frames are being unpacked.
+  lead(world: World, from: number | null, to: number): number | null {
     const starts = this.segments.filter(segment => segment.at <= to);
-    const segment = lastOf(starts) ?? this.segments[0];
+    const segment = lastOf(starts) ?? this.segments[0], next = this.segments[this.segments.indexOf(segment) + 1];
+    for (const other of this.segments) if (other !== segment && other !== next) other.shut();
+    segment.open(this.unpacked);
+    next?.open(() => undefined);  // for who plays on
+    const { frames, times } = segment;
+    if (!frames) return null;
     const goesOn = from !== null && from <= to && from >= segment.at;
     if (!goesOn) world.show(segment.before);
     let newest = goesOn ? from : segment.at;
-    for (const frame of segment.frames) {
-      if (frame.at > to) break;
-      if (goesOn && frame.at <= from) continue;
-      readFrame(frame.bytes, world);
-      newest = frame.at;
+    for (const [i, frame] of frames.entries()) {
+      if (times[i] > to) break;
+      if (goesOn && times[i] <= from) continue;
+      readFrame(frame, world);
+      newest = times[i];
     }
     return newest;
+  }
+
+  /// Nobody looks at the past any more.
+  shut(): void {
+    for (const segment of this.segments) segment.shut();
   }
 }
 

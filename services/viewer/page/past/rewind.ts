@@ -9,10 +9,10 @@ const kRound = 50;  // ms between two steps of playing
 
 export class Rewind {
   live: World;  // the live world; it is the shown one, unless the past is shown
-  history = new History();
+  history = new History(undefined, () => { if (this.place !== null) this.seek(this.place); });
   private played = new NewMaps();  // s of a log, as far as it was played
   private place: number | null = null;  // ms of performance.now(), the shown time of the past; null: live
-  private newest = 0;                   // ms, when the newest frame of the shown past was received
+  private newest: number | null = null; // ms, when the newest frame of the shown past was received; null: another time is shown yet
   private isPaused = false;
   private speed = 1;
   private timer = 0;
@@ -24,6 +24,8 @@ export class Rewind {
   }
 
   get isPast(): boolean { return this.place !== null; }
+  /// Whether what is shown is of the time that is asked for: it may have to be unpacked.
+  get isThere(): boolean { return !this.isPast || this.newest !== null; }
   /// ms between the shown time and now.
   get behind(): number { return this.place === null ? 0 : performance.now() - this.place; }
 
@@ -68,6 +70,7 @@ export class Rewind {
     clearInterval(this.timer);
     this.place = null;
     this.isPaused = false;
+    this.history.shut();
     this.shown.show(this.live.snapshot());
     this.shown.copied = this.live.copied;
     this.shown.cloud = this.live.cloud;
@@ -104,7 +107,8 @@ export class Rewind {
     this.place += step;
     if (this.place >= this.history.newest && this.speed > 1) return this.goLive();
     const newest = this.history.lead(this.shown, this.newest, this.place);
-    if (newest === this.newest) return;
+    if (newest === null) this.place -= step;  // until it is unpacked
+    if (newest === null || newest === this.newest) return;
     this.newest = newest;
     this.changed(false);
   }

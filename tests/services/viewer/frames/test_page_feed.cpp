@@ -39,7 +39,8 @@ class PageFeedTest : public ::testing::Test {
             .scan_number = scan_number_,
             .services = "[]",
             .services_number = 1,
-            .newest_utime = newest_utime_};
+            .newest_utime = newest_utime_,
+            .now = now_};
   }
   std::vector<std::uint8_t> make(PageFeed& feed) {
     steps_.close(map_);
@@ -71,6 +72,7 @@ class PageFeedTest : public ::testing::Test {
   store::ThinnedPath path_;
   std::vector<ScanPoint> scan_;
   std::uint64_t scan_number_ = 0;
+  std::int64_t now_ = 0;
   std::int64_t newest_utime_ = 0;
 };
 
@@ -207,6 +209,20 @@ TEST_F(PageFeedTest, SendsPathAndPointsToWhoWantsThem) {
   path_.put({.utime = 1, .x = 1, .y = 9});
   feed.drawn(page.read(make(feed)));
   EXPECT_EQ(page.path, (std::vector<float>{1, 9, 0, 1, 0, 0, 2, 0, 0}));
+}
+
+TEST_F(PageFeedTest, SendsPointsFiveTimesASecond) {
+  scan_ = {{1, 2, 3, 4}};
+  PageFeed feed(std::nullopt);
+  feed.want_points(true);
+  int sent = 0;
+  for (now_ = 0; now_ < 2'000'000; now_ += 50'000) {
+    ++scan_number_;
+    FrameReader page;
+    feed.drawn(page.read(make(feed)));
+    sent += page.num_points > 0 ? 1 : 0;
+  }
+  EXPECT_EQ(sent, 10);
 }
 
 /// Pages that draw late, that reconnect in the middle of a frame, and a map that goes on meanwhile, now and then in a

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <cstdlib>
 
 #include "common/time/clock.hpp"
@@ -11,6 +12,7 @@ namespace curbstone::viewer {
 namespace {
 
 constexpr std::int64_t kRevolution = 50'000;  // us
+constexpr std::int64_t kMapNews = 500'000;    // us
 constexpr int kTolerance = 4;                 // of 255: what rounding in shaders makes
 
 }  // namespace
@@ -57,8 +59,24 @@ void PageOnABus::go_on() {
     said_ = now;
     send_pose();
   }
+  if (now - told_ >= kMapNews) {
+    told_ = now;
+    send_map_news();
+  }
   node_->tick(now);
   bus_->dispatch();
+}
+
+void PageOnABus::send_map_news() {
+  service_status_t status{};
+  status.service = "semantic_map";
+  if (map_speaks) send("SERVICE_STATUS", status);
+  tile_index_t index{};
+  index.owner = "semantic_map";
+  index.channel = "SEMANTIC_TILE";
+  index.epoch = epoch();
+  index.num_pages = 1;
+  if (map_announces) send("TILE_INDEX", index);
 }
 
 void PageOnABus::send_pose() {
@@ -66,9 +84,15 @@ void PageOnABus::send_pose() {
   pose.utime = said_;
   pose.epoch = epoch();
   pose.map_base_position[0] = vehicle_x;
-  pose.map_base_orientation[0] = pose.map_odom_orientation[0] = 1;
+  pose.map_odom_orientation[0] = 1;
+  pose.map_base_orientation[0] = std::cos(vehicle_yaw / 2);
+  pose.map_base_orientation[3] = std::sin(vehicle_yaw / 2);
+  pose.covariance[0] = pose.covariance[7] = vehicle_sigma * vehicle_sigma;
   pose.flags = map_pose_t::REGISTERED;
   send("MAP_POSE", pose);
+  if (!localized_x) return;
+  pose.map_base_position[0] = *localized_x;
+  send("LOCALIZED_POSE", pose);
 }
 
 void PageOnABus::begin_epoch() {

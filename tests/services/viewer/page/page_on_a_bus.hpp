@@ -61,9 +61,14 @@ class PageOnABus : public ::testing::Test {
   void keep_picture(const std::string& name);
   bool shows(const std::string& selector, const std::string& words, double seconds = 30);
 
-  double vehicle_x = 0;      // m, and as fast as the test says
-  double speed = 0;          // m/s
-  bool bus_is_alive = true;  // whether poses come
+  double vehicle_x = 0;               // m, and as fast as the test says
+  double speed = 0;                   // m/s
+  double vehicle_yaw = 0;             // rad
+  float vehicle_sigma = 0;            // m, of its position
+  bool bus_is_alive = true;           // whether poses come
+  bool map_speaks = false;            // whether semantic_map tells its state, twice a second
+  bool map_announces = false;         // whether it tells its tiles, twice a second
+  std::optional<double> localized_x;  // m, with each pose; empty: there is no localizer
   std::map<std::pair<int, int>, semantic_tile_t> tiles;
   ViewerConfig config;
   std::optional<curbstone::browser::Browser> browser;
@@ -72,10 +77,12 @@ class PageOnABus : public ::testing::Test {
  private:
   void go_on();
   void send_pose();
+  void send_map_news();
 
   std::int64_t epoch_ = 0;
   std::int32_t revision_ = 0;
   std::int64_t said_ = 0;
+  std::int64_t told_ = 0;  // us, of the map
   std::unique_ptr<LocalBus> bus_;
   std::unique_ptr<web::WebServer> server_;
   std::unique_ptr<ViewerNode> node_;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <utility>
 #include "tests/services/viewer/page/page_on_a_bus.hpp"
 
 namespace curbstone::viewer {
@@ -39,6 +40,61 @@ TEST_F(PageFaults, ADeadBusLooksDead) {
   ASSERT_TRUE(shows("#status", "Live"));
   browser->pass(0.3);
   EXPECT_TRUE(is_coloured());
+}
+
+TEST_F(PageFaults, AMapThatNobodyMakesAnyMoreIsGreyUnderAVehicleThatLives) {
+  map_speaks = map_announces = true;
+  put_walls();
+  vehicle_x = 3;
+  open(kPlain);
+  browser->pass(4);
+  EXPECT_EQ(text_of("#status"), "Live") << "at a standstill no tiles come, but semantic_map tells that it is there";
+  EXPECT_TRUE(is_coloured());
+
+  map_speaks = map_announces = false;
+  ASSERT_TRUE(shows("#status", "Map stale"));
+  EXPECT_TRUE(shows("#curtain", "semantic_map has been silent for"));
+  browser->pass(0.3);
+  EXPECT_FALSE(is_coloured());
+  const Spot body = spot_of(vehicle_x - 0.6, 0.45);  // beside the arrow
+  EXPECT_LE(difference(browser->picture().at(body.x, body.y), {214, 36, 127}), 8);
+  keep_picture("map_stale");
+
+  map_speaks = map_announces = true;
+  ASSERT_TRUE(shows("#status", "Live"));
+  browser->pass(0.3);
+  EXPECT_TRUE(is_coloured());
+}
+
+TEST_F(PageFaults, AMapIsAliveAsLongAsOneOfItsTwoVoicesIsHeard) {
+  put_walls();
+  open(kPlain);
+  map_announces = true;
+  browser->pass(4);
+  EXPECT_EQ(text_of("#status"), "Live");
+  std::swap(map_announces, map_speaks);
+  browser->pass(4);
+  EXPECT_EQ(text_of("#status"), "Live");
+  map_speaks = false;
+  EXPECT_TRUE(shows("#status", "Map stale"));
+}
+
+TEST_F(PageFaults, ALocalizerThatFellSilentIsNoVehicleAnyMore) {
+  put_walls();
+  open(kPlain);
+  localized_x = 3;
+  const auto is_drawn = [&] {
+    const Spot body = spot_of(3 - 0.6, 0.45);
+    return difference(browser->picture().at(body.x, body.y), {0, 133, 122}) < 12;
+  };
+  ASSERT_TRUE(browser->comes_to("curbstone.world.state.localized?.here"));
+  browser->pass(0.5);
+  ASSERT_TRUE(is_drawn());
+  localized_x.reset();
+  EXPECT_TRUE(browser->comes_to("document.getElementById('facts').textContent.includes('silent for')"));
+  browser->pass(0.3);
+  EXPECT_EQ(text_of("#status"), "Live");
+  EXPECT_FALSE(is_drawn());
 }
 
 TEST_F(PageFaults, AViewerThatWasKilledIsMissedAndComesBackWithTheMap) {

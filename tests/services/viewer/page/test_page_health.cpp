@@ -53,6 +53,19 @@ TEST_F(PageHealth, AtTheEndOfALogStatesAreThoseOfThenAndNoAlarms) {
   keep_picture("end_of_a_log");
 }
 
+TEST_F(PageHealth, AtTheEndOfALogThereIsNoLatency) {
+  put_roads(-1, 1);
+  open("theme=light");
+  for (int i = 0; i < 5; ++i) {
+    put(tile_of(0, 0, i % 2 == 0 ? semantic_tile_t::ROAD : semantic_tile_t::WALL));
+    browser->pass(0.2);
+  }
+  send_playback(false, false);
+  ASSERT_TRUE(shows("#latency", "from sensor to screen"));
+  send_playback(false, true);
+  EXPECT_TRUE(browser->comes_to("document.getElementById('latency').textContent === ''"));
+}
+
 TEST_F(PageHealth, WhileALogStandsNobodyIsSilentButAFaultIsOne) {
   end_a_drive();
   send_playback(true, false);

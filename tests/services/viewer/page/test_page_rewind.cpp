@@ -35,7 +35,7 @@ class PageRewind : public PageOnABus {
   double shown_x() { return browser->evaluate("curbstone.world.state.pose.x"); }
   double live_x() { return browser->evaluate("curbstone.rewind.live.state.pose.x"); }
   int wrong_cells_now(const semantic_tile_t& tile) {
-    EXPECT_TRUE(browser->comes_to("curbstone.world.changed.size === 0"));
+    EXPECT_TRUE(browser->comes_to("curbstone.rewind.isThere && curbstone.world.changed.size === 0"));
     int seen = 0;
     const int wrong = wrong_cells(tile, browser->picture(), &seen);
     EXPECT_GT(seen, 500);
@@ -118,7 +118,7 @@ TEST_F(PageRewind, MarksWhereANewMapBeganAndMixesNoTilesOfTheTwo) {
   open(kStraightDown);
   browser->pass(2.5);
   EXPECT_EQ(browser->evaluate("document.querySelectorAll('#new-maps i').length"), 0);
-  vehicle_x = 0;  // the new map's origin
+  vehicle_x = 1;  // near the new map's origin, and hides none of its cells
   begin_epoch();
   vehicle_x = 20;
   put(tile_of(-1, -1, semantic_tile_t::ROAD));
@@ -175,6 +175,83 @@ TEST_F(PageRewind, KeepsNoMoreBytesThanItMay) {
   EXPECT_LT(kept[0].get<double>(), 6e5) << kept;
   EXPECT_GT(kept[3].get<double>(), 4e5) << kept;
   EXPECT_GT(kept[2].get<double>() - kept[1].get<double>(), 20'000) << "a quarter of the points is kept: " << kept;
+}
+
+TEST_F(PageRewind, WhatIsCompressedIsShownAsItWas) {
+  drive_past_the_change();
+  browser->evaluate("curbstone.rewind.history.mostBytes = 2e5");  // pieces of a few seconds
+  const std::string first = "curbstone.rewind.history.segments[0]";
+  ASSERT_TRUE(browser->comes_to("curbstone.rewind.history.segments.length > 3 && !" + first + ".frames"));
+  drag_before_the_change();
+  ASSERT_TRUE(browser->comes_to("curbstone.world.tileAt(-1, -1).classes[0] === 3")) << text_of("#status");
+  EXPECT_EQ(browser->evaluate("curbstone.rewind.isPast"), true);
+  EXPECT_EQ(browser->evaluate("!!" + first + ".frames"), true);
+  EXPECT_TRUE(browser->comes_to("curbstone.world.tileAt(-1, -1).classes[0] === 1")) << "it plays on";
+  const double then = shown_x();
+  EXPECT_TRUE(browser->comes_to(fmt::format("curbstone.world.state.pose.x > {}", then + 4))) << "over further pieces";
+  browser->evaluate("document.getElementById('live').click()");
+  EXPECT_TRUE(shows("#status", "Live"));
+  EXPECT_TRUE(browser->comes_to("!" + first + ".frames")) << "nobody looks at it";
+}
+
+/// What comes with the LiDAR's points shown, and more of it than in a town: half a megabyte a second, most of it tiles.
+constexpr const char* kHeavyFrames = R"(
+    let seed = 1;
+    const lot = n => (seed = seed * 1103515245 + 12345 & 0x7fffffff, (seed >> 8) % n);
+    const frameOf = (round, tiles, points) => {
+      const bytes = new Uint8Array(tiles * 500 + points * 7 + 100), view = new DataView(bytes.buffer);
+      let at = 4;
+      const begin = kind => { bytes[at] = kind; at += 5; return at; };
+      const end = from => view.setUint32(from - 4, at - from, true);
+      const section = begin(2);
+      view.setFloat64(at, round, true); at += 8;
+      for (let n = 0; n < tiles; ++n) {
+        view.setInt32(at, lot(20), true); view.setInt32(at + 4, Math.floor(round / 60) % 500 + lot(20), true);
+        bytes[at + 8] = 1; view.setInt32(at + 9, round, true);
+        view.setFloat64(at + 13, round * 1e5, true); view.setFloat64(at + 21, round * 1e5, true); at += 33;
+        const mask = at, cells = [];
+        at += 79;
+        for (let i = lot(40); i < 625; i += 1 + lot(30)) { bytes[mask + (i >> 3)] |= 1 << (i & 7); cells.push(i); }
+        for (const _ of cells) bytes[at++] = 1 + lot(4);
+        for (const _ of cells) { view.setInt16(at, lot(60), true); at += 2; }
+        for (const _ of cells) bytes[at++] = lot(3) ? 0 : lot(255);
+        for (const _ of cells) bytes[at++] = 200 + lot(55);
+      }
+      end(section);
+      const scan = begin(5);
+      for (let n = 0; n < points; ++n) {
+        for (let axis = 0; axis < 3; ++axis) { view.setInt16(at, lot(6000) - 3000, true); at += 2; }
+        bytes[at++] = lot(256);
+      }
+      end(scan);
+      return bytes.slice(0, at).buffer;
+    };)";
+
+TEST_F(PageRewind, KeepsTenMinutesOfHalfAMegabyteASecondInItsBounds) {
+  bus_is_alive = false;
+  open(kStraightDown);
+  browser->evaluate(std::string("window.fill = async () => {") + kHeavyFrames + R"(
+    const { rewind, world } = curbstone, { live } = rewind, World = world.constructor, kept = new World();
+    kept.begin(1, 1);
+    let most = 0, all = 0;
+    window.past = new rewind.history.constructor();
+    const frames = Array.from({ length: 30 }, (_, i) => frameOf(i, 620, 10_500));  // far more than deflate looks back
+    for (let at = 0; at <= 620_000; at += 500) {
+      const frame = frames[at / 500 % frames.length];
+      all += frame.byteLength;
+      past.expect(kept, at);
+      if (at % 20_000 === 0) kept.copied += 400;  // tiles that change while a snapshot holds them
+      past.add(kept, frame, at);
+      if (at % 10_000 === 0) await past.packing;
+      most = Math.max(most, past.bytes);
+    }
+    await past.packing;
+    return [past.newest - past.oldest, most, all / 620, past.bytes];
+  }; 0)");
+  const auto kept = browser->evaluate("fill()");
+  EXPECT_NEAR(kept[2].get<double>(), 5e5, 5e4) << "bytes a second: " << kept;
+  EXPECT_GE(kept[0].get<double>(), 600'000) << "ms: " << kept;
+  EXPECT_LE(kept[1].get<double>(), 150e6) << kept;
 }
 
 }  // namespace

@@ -164,6 +164,54 @@ TEST_F(PageTilted, IsCoarserOnlyWhileTheUserMovesTheView) {
   }
 }
 
+TEST_F(PageTilted, ACurbThatNobodySawIsARowOfPosts) {
+  vehicle_x = 60;
+  put_roads(-2, 2);
+  curb_lines_t curbs{};
+  curbs.epoch = epoch();
+  curbs.box_min[0] = curbs.box_min[1] = -20;
+  curbs.box_max[0] = curbs.box_max[1] = 20;
+  for (const float y : {-1.5F, 0.0F, 1.5F}) {  // seen, lowered, inferred
+    curb_line_t line{};
+    for (const float x : {-3.0F, -1.1F, 0.3F, 3.0F}) {
+      line.x.push_back(x);
+      line.y.push_back(y);
+      line.height.push_back(0.3F);
+      for (auto* values : {&line.z, &line.high_side_x}) values->push_back(0);
+      line.high_side_y.push_back(1);
+    }
+    line.num_points = 4;
+    line.confidence = 1;
+    line.dropped = y == 0 ? 1 : 0;
+    line.inferred = y > 1 ? 1 : 0;
+    curbs.lines.push_back(line);
+  }
+  curbs.num_lines = 3;
+  send("CURBS", curbs);
+  open("at=0,0,60,0&follow=0&theme=light&off=relief.path.points&tilt=50");
+  ASSERT_TRUE(browser->comes_to("curbstone.world.curbs.size === 3"));
+  browser->pass(0.5);
+  keep_picture("curb_walls");
+  const Picture picture = browser->picture();
+  /// The share of the wall's middle, from end to end, that is drawn.
+  const auto share = [&](double y) {
+    int drawn = 0;
+    for (int i = 0; i < 200; ++i) {
+      const Spot spot = spot_at(-2.5 + 0.025 * i, y, 0.15);
+      drawn += difference(picture.at(spot.x, spot.y), colour_of(semantic_tile_t::ROAD)) > 40 ? 1 : 0;
+    }
+    return drawn / 200.0;
+  };
+  const auto colour = [&](double y) {
+    const Spot spot = spot_at(-2.03, y, 0.15);
+    return picture.at(spot.x, spot.y);
+  };
+  EXPECT_EQ(share(-1.5), 1);
+  EXPECT_EQ(share(0), 1);
+  EXPECT_GT(difference(colour(-1.5), colour(0)), 20) << "a lowered one shows the ground behind it";
+  EXPECT_NEAR(share(1.5), 0.4, 0.12);
+}
+
 TEST_F(PageTilted, ALostLocalizerSaysSoInWords) {
   put_a_terrace();
   open(fmt::format("{}&tilt=40", kPlainView));

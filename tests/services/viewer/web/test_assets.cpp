@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "services/viewer/web/assets.hpp"
+#include "tests/paths.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace curbstone::viewer::web {
@@ -40,6 +41,16 @@ TEST(AssetsTest, CanComeFromAFolder) {
   std::ofstream(folder / "page.js") << "let a;";
   EXPECT_EQ(find_asset("/page.js", folder.path().string())->bytes, "let a;");
   EXPECT_FALSE(find_asset("/page.css", folder.path().string()).has_value());
+}
+
+/// The folder that the README names is where the build puts the files.
+TEST(AssetsTest, TheFolderOfTheBundleHasAllThatTheProgramHas) {
+  const std::string folder = test::build_path("services/viewer/page/bundle");
+  for (const char* path : {"/", "/page.js", "/page.css", "/icon.svg"}) {
+    const auto from_folder = find_asset(path, folder);
+    ASSERT_TRUE(from_folder.has_value()) << path;
+    EXPECT_EQ(from_folder->bytes, find_asset(path, "")->bytes) << path;
+  }
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 // hide them.
 import { Layers } from "../../settings";
 import { Camera } from "../camera";
-import { ellipseOf, fillOf, Ink, kInk } from "../ink";
+import { ellipseOf, fillOf, Ink, kGrey, kInk } from "../ink";
 import { Theme } from "../palette";
 import { Sheet } from "../sheet";
 import { heightAt, kCellSize, Place, Pose, World } from "../../world";
@@ -18,15 +18,16 @@ export class TiltedMarks {
     this.context = sheet.context;
   }
 
-  draw(camera: Camera, theme: Theme, layers: Layers, poses: [Pose, string][], picked: Spot | null, measured: Place[], grey: number): void {
+  draw(camera: Camera, theme: Theme, layers: Layers, poses: [Pose, string][], picked: Spot | null, measured: Place[], grey: number, lives: boolean): void {
     const { context, sheet } = this, ink = kInk[theme], dots = sheet.width / camera.width;
     sheet.begin();
     context.setTransform(dots, 0, 0, dots, 0, 0);
-    context.filter = grey > 0 ? "grayscale(1) opacity(0.55)" : "none";
+    context.filter = grey > 0 ? kGrey : "none";
     context.lineJoin = context.lineCap = "round";
     if (layers.path) this.drawPath(camera, ink);
     if (picked) this.drawPicked(camera, picked, ink);
     if (measured.length > 0) this.drawMeasured(camera, measured, ink);
+    if (lives) context.filter = "none";
     for (const [pose, colour] of poses) this.drawEllipse(camera, pose, colour);
     for (const [pose, colour] of poses) this.drawVehicle(camera, pose, colour, ink);
     sheet.show();
