@@ -6,7 +6,8 @@
 namespace curbstone::mapper::journal {
 namespace {
 
-using ::testing::IsEmpty;
+using ::testing::Each;
+using ::testing::HasSubstr;
 
 /// Scans after the one that closes the loop at which the mapper is killed, together with the lidar driver: while the
 /// map still moves, so that the successor has the drive as it was before; within what is mapped again; and later.
@@ -37,7 +38,7 @@ TEST_P(KilledAtALoopTest, IsSucceededWhereOdometryLeadsFromItsLastPose) {
   EXPECT_EQ(counter("resumed.lost"), 0);
   EXPECT_EQ(poses_.back().flags & map_pose_t::LOST, 0);
   EXPECT_LT(error(), 0.1);
-  EXPECT_THAT(node_->report().faults, IsEmpty());
+  EXPECT_THAT(node_->report().faults, Each(HasSubstr("s of the drive are missing")));
 }
 
 INSTANTIATE_TEST_SUITE_P(Scans, KilledAtALoopTest, ::testing::Values(0, 10, 30));
