@@ -93,8 +93,10 @@ class KilledMapperTest : public ::testing::Test {
     for (int i = 0; i < turns; ++i) step();
   }
   /// Until the driver and the filter have sent again what was asked for.
-  void catch_up() {
-    for (int i = 0; node_ && i < 60; ++i) {
+  void catch_up() { send_again(60); }
+  /// For so many ticks.
+  void send_again(int ticks) {
+    for (int i = 0; node_ && i < ticks; ++i) {
       driver_->tick();
       filter_->tick();
       sensor_bus_.dispatch();

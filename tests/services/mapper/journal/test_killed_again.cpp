@@ -25,15 +25,7 @@ class KilledAgainTest : public KilledMapperTest {
     is_new_ = false;
     for (int i = 0; i < turns; ++i) {
       step();
-      for (int tick = 0; node_ && tick < 3; ++tick) {
-        driver_->tick();
-        filter_->tick();
-        sensor_bus_.dispatch();
-        mapper_bus_->dispatch();
-        node_->tick(test::utime(turn_ * test::kPeriod));
-        mapper_bus_->dispatch();
-      }
-      bus_.dispatch();
+      send_again(3);
     }
   }
   /// Of the revolutions that were driven, those that have no pose.

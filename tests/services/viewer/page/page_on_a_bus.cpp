@@ -67,6 +67,29 @@ void PageOnABus::go_on() {
   bus_->dispatch();
 }
 
+curb_line_t PageOnABus::curb_along(const std::vector<float>& x, float y, float height) {
+  curb_line_t line{};
+  line.num_points = static_cast<std::int32_t>(x.size());
+  line.x = x;
+  line.y.assign(x.size(), y);
+  line.z.assign(x.size(), 0);
+  line.height.assign(x.size(), height);
+  line.high_side_x.assign(x.size(), 0);
+  line.high_side_y.assign(x.size(), 1);
+  line.confidence = 1;
+  return line;
+}
+
+void PageOnABus::send_curbs(const std::vector<curb_line_t>& lines) {
+  curb_lines_t curbs{};
+  curbs.epoch = epoch();
+  curbs.box_min[0] = curbs.box_min[1] = -20;
+  curbs.box_max[0] = curbs.box_max[1] = 20;
+  curbs.num_lines = static_cast<std::int32_t>(lines.size());
+  curbs.lines = lines;
+  send("CURBS", curbs);
+}
+
 void PageOnABus::send_map_news() {
   service_status_t status{};
   status.service = "semantic_map";

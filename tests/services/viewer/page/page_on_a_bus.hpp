@@ -2,11 +2,13 @@
 
 #include <gmock/gmock.h>
 
+#include <curbstone/curb_lines_t.hpp>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/bus/local_bus.hpp"
 #include "services/viewer/viewer_node.hpp"
@@ -49,6 +51,9 @@ class PageOnABus : public ::testing::Test {
   void send_playback(bool paused = false, bool ended = false);
   /// A square of road: tiles from .. to - 1 in x and y.
   void put_roads(int from, int to);
+  /// Vertices at these x, m; the higher side is that of greater y.
+  [[nodiscard]] static curb_line_t curb_along(const std::vector<float>& x, float y, float height);
+  void send_curbs(const std::vector<curb_line_t>& lines);
   [[nodiscard]] semantic_tile_t tile_of(int x, int y, std::int8_t cell_class) const;
   [[nodiscard]] static Rgb colour_of(int cell_class);  // light theme; of none: the paper's is no colour
   /// Where the page has a place of the map.

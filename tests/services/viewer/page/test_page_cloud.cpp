@@ -132,24 +132,7 @@ TEST_F(PageCloud, StandsAtItsHeightInTheTiltedView) {
 }
 
 TEST_F(PageCloud, ACrossSectionBringsAndShowsThePointsAcrossTheCurb) {
-  curb_line_t line{};
-  for (const float x : {-3.0F, -2.0F, -1.0F, 0.0F}) {
-    line.x.push_back(x);
-    line.y.push_back(-2);
-    line.z.push_back(0);
-    line.height.push_back(0.1F);
-    line.high_side_x.push_back(0);
-    line.high_side_y.push_back(1);
-  }
-  line.num_points = 4;
-  line.confidence = 1;
-  curb_lines_t curbs{};
-  curbs.epoch = epoch();
-  curbs.box_min[0] = curbs.box_min[1] = -20;
-  curbs.box_max[0] = curbs.box_max[1] = 20;
-  curbs.num_lines = 1;
-  curbs.lines = {line};
-  send("CURBS", curbs);
+  send_curbs({curb_along({-3, -2, -1, 0}, -2, 0.1F)});
   open("at=0,0,40,0&follow=0&theme=light");
   ASSERT_TRUE(browser->comes_to("curbstone.world.curbs.size === 1"));
   const Spot spot = spot_of(-2.05, -2);

@@ -28,23 +28,10 @@ class PageCut : public PageOnABus {
         }
         put(tile);
       }
-    curb_line_t line{};
-    for (int x = -6; x <= 6; ++x) {
-      line.x.push_back(static_cast<float>(x));
-      for (auto* values : {&line.y, &line.z, &line.high_side_x}) values->push_back(0);
-      line.height.push_back(0.1F);
-      line.high_side_y.push_back(1);
-    }
-    line.num_points = static_cast<std::int32_t>(line.x.size());
+    curb_line_t line = curb_along({-6, -5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5, 6}, 0, 0.1F);
     line.confidence = 0.9F;
     line.rise = 1;
-    curb_lines_t curbs{};
-    curbs.epoch = epoch();
-    curbs.box_min[0] = curbs.box_min[1] = -20;
-    curbs.box_max[0] = curbs.box_max[1] = 20;
-    curbs.num_lines = 1;
-    curbs.lines = {line};
-    send("CURBS", curbs);
+    send_curbs({line});
   }
   void select_the_curb() {
     vehicle_x = 5;

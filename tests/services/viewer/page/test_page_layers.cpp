@@ -78,27 +78,14 @@ TEST_F(PageLayers, Ages) {
 TEST_F(PageLayers, CurbsThatWereSeenLoweredOnesAndInferredOnes) {
   vehicle_x = 60;
   put_roads(-2, 2);
-  curb_lines_t curbs{};
-  curbs.epoch = epoch();
-  curbs.box_min[0] = curbs.box_min[1] = -20;
-  curbs.box_max[0] = curbs.box_max[1] = 20;
-  for (const float y : {-2.0F, 0.0F, 2.0F}) {
-    curb_line_t line{};
-    for (const float x : {-5.0F, 5.0F}) {
-      line.x.push_back(x);
-      line.y.push_back(y);
-      line.height.push_back(0.1F);
-      for (auto* values : {&line.z, &line.high_side_x}) values->push_back(0);
-      line.high_side_y.push_back(1);
-    }
-    line.num_points = 2;
-    line.confidence = 1;
+  std::vector<curb_line_t> curbs;
+  for (const float y : {-2.0F, 0.0F, 2.0F}) {  // seen, lowered, inferred
+    curb_line_t line = curb_along({-5, 5}, y, 0.1F);
     line.dropped = y == 0 ? 1 : 0;
     line.inferred = y > 1 ? 1 : 0;
-    curbs.lines.push_back(line);
+    curbs.push_back(line);
   }
-  curbs.num_lines = 3;
-  send("CURBS", curbs);
+  send_curbs(curbs);
   open("at=0,0,60,0&follow=0&theme=light&off=relief.path.points");
   ASSERT_TRUE(browser->comes_to("curbstone.world.curbs.size === 3 && !curbstone.world.curbsChanged"));
   browser->pass(0.3);

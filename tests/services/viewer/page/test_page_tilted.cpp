@@ -167,27 +167,14 @@ TEST_F(PageTilted, IsCoarserOnlyWhileTheUserMovesTheView) {
 TEST_F(PageTilted, ACurbThatNobodySawIsARowOfPosts) {
   vehicle_x = 60;
   put_roads(-2, 2);
-  curb_lines_t curbs{};
-  curbs.epoch = epoch();
-  curbs.box_min[0] = curbs.box_min[1] = -20;
-  curbs.box_max[0] = curbs.box_max[1] = 20;
+  std::vector<curb_line_t> curbs;
   for (const float y : {-1.5F, 0.0F, 1.5F}) {  // seen, lowered, inferred
-    curb_line_t line{};
-    for (const float x : {-3.0F, -1.1F, 0.3F, 3.0F}) {
-      line.x.push_back(x);
-      line.y.push_back(y);
-      line.height.push_back(0.3F);
-      for (auto* values : {&line.z, &line.high_side_x}) values->push_back(0);
-      line.high_side_y.push_back(1);
-    }
-    line.num_points = 4;
-    line.confidence = 1;
+    curb_line_t line = curb_along({-3, -1.1F, 0.3F, 3}, y, 0.3F);
     line.dropped = y == 0 ? 1 : 0;
     line.inferred = y > 1 ? 1 : 0;
-    curbs.lines.push_back(line);
+    curbs.push_back(line);
   }
-  curbs.num_lines = 3;
-  send("CURBS", curbs);
+  send_curbs(curbs);
   open("at=0,0,60,0&follow=0&theme=light&off=relief.path.points&tilt=50");
   ASSERT_TRUE(browser->comes_to("curbstone.world.curbs.size === 3"));
   browser->pass(0.5);
