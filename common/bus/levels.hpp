@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <stdexcept>
+#include <string>
 #include <string_view>
 
 #include "common/bus/counters.hpp"
@@ -57,8 +58,20 @@ inline constexpr auto kLevels = std::to_array<std::string_view>({
 });
 static_assert(std::is_sorted(kLevels.begin(), kLevels.end()));
 
+/// Levels whose last word is a text, because SERVICE_STATUS has a number for each name and no text: a device with
+/// serial number 33C1160BAAA reports "device.serial_number.33C1160BAAA", which is 1. The READMEs call that word HEX.
+/// Sorted.
+inline constexpr auto kTextLevels = std::to_array<std::string_view>({
+    "device.firmware",
+    "device.firmware_bottom",
+    "device.serial_number",
+});
+static_assert(std::is_sorted(kTextLevels.begin(), kTextLevels.end()));
+
 [[nodiscard]] constexpr bool is_level(std::string_view name) {
-  return std::binary_search(kLevels.begin(), kLevels.end(), name);
+  const std::string_view beginning = name.substr(0, name.find_last_of('.'));
+  return std::binary_search(kLevels.begin(), kLevels.end(), name) ||
+         (beginning.size() < name.size() && std::binary_search(kTextLevels.begin(), kTextLevels.end(), beginning));
 }
 
 /// A name in kLevels. Any other name does not compile.
@@ -73,9 +86,27 @@ class LevelName {
   std::string_view name_;
 };
 
+/// A name in kTextLevels. Any other name does not compile.
+class TextLevelName {
+ public:
+  consteval TextLevelName(const char* name) : name_(name) {  // NOLINT(google-explicit-constructor): stands for the name
+    if (!std::binary_search(kTextLevels.begin(), kTextLevels.end(), name_))
+      throw std::invalid_argument("not in kTextLevels");
+  }
+  [[nodiscard]] constexpr std::string_view text() const { return name_; }
+
+ private:
+  std::string_view name_;
+};
+
 /// Sets a counter that is a level to its present value.
 inline void set_level(Counters& counters, LevelName name, std::int64_t value) {
   counters.set(name.text(), value);
+}
+
+/// Sets the level that has this text; an empty text is none. The text is a word of letters and digits.
+inline void set_text(Counters& counters, TextLevelName name, std::string_view text) {
+  if (!text.empty()) counters.set(std::string(name.text()) + "." + std::string(text), 1);
 }
 
 }  // namespace curbstone

@@ -45,7 +45,7 @@ bool DriverCapture::is_for_us(const Packet& packet) const {
 
 bool DriverCapture::is_own(const Packet& packet) const {
   const models::Sender sender = models::sender_of(packet.bytes);
-  return model_ ? model_->is_own(sender) : sender != models::Sender::kUnknown;
+  return model_ ? model_->is_own(sender) : models::is_supported(sender);
 }
 
 std::optional<DriverCapture::Packet> DriverCapture::next_in_file() {

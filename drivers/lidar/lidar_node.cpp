@@ -63,6 +63,7 @@ void LidarNode::connect(Subscriber& bus) {
 
 void LidarNode::expect_one_info() {
   settings_.only_info = true;
+  vote_.expect_one_info();
   if (model_) model_ = models::make_model(config_.model, settings_);
 }
 
@@ -73,7 +74,7 @@ void LidarNode::on(const raw_packet_t& packet) {
 void LidarNode::on_packet(std::int64_t received, int port, std::span<const std::uint8_t> bytes) {
   came_since_tick_ = true;
   if (config_.publish_raw) publish_raw(received, port, bytes);
-  if (!model_ && !find_model(bytes)) {
+  if (!model_ && !find_model(received, bytes)) {
     counters_.add("undecided");
     return;
   }
@@ -95,9 +96,12 @@ void LidarNode::on_packet(std::int64_t received, int port, std::span<const std::
   send_ready();
 }
 
-bool LidarNode::find_model(std::span<const std::uint8_t> bytes) {
+bool LidarNode::find_model(std::int64_t received, std::span<const std::uint8_t> bytes) {
   const auto name = vote_.offer(bytes);
-  if (!name) return false;
+  if (!name) {
+    keep_early_info(received, bytes);
+    return false;
+  }
   try {
     model_ = models::make_model(*name, settings_);
   } catch (const std::runtime_error& error) {
@@ -106,7 +110,20 @@ bool LidarNode::find_model(std::span<const std::uint8_t> bytes) {
   }
   spdlog::info("model: auto: {} packets in a row are those of {}: it is {}", models::ModelVote::kAgreeing,
                models::title_of(vote_.leading()), model_->table().name);
+  for (const EarlyInfo& info : early_info_) {
+    if (model_->kind_of(models::sender_of(info.bytes)) == models::PacketKind::kInfo)
+      (void)model_->read_info(info.received, info.bytes);
+  }
+  early_info_.clear();
   return true;
+}
+
+/// The two informations that decided the model have its angles too: a capture may have no others.
+void LidarNode::keep_early_info(std::int64_t received, std::span<const std::uint8_t> bytes) {
+  constexpr std::size_t kThatAgree = 2;
+  if (!models::is_info(models::sender_of(bytes))) return;
+  if (early_info_.size() == kThatAgree) early_info_.pop_front();
+  early_info_.push_back({received, {bytes.begin(), bytes.end()}});
 }
 
 void LidarNode::refuse(const char* counter, const std::string& remedy) {
@@ -119,9 +136,9 @@ Refusal LidarNode::on_info(std::int64_t received, std::span<const std::uint8_t> 
   if (const Refusal refusal = model_->read_info(received, bytes); refusal != Refusal::kNone) return refusal;
   counters_.add("difop");
   health_.info_packet_used();
-  if (const std::string& identity = model_->facts().identity; identity != identity_) {
+  if (const models::Identity& identity = model_->facts().identity; identity != identity_) {
     identity_ = identity;
-    spdlog::info("{}: {}", model_->table().title, identity);
+    spdlog::info("{}: {}", model_->table().title, to_text(identity));
   }
   return Refusal::kNone;
 }

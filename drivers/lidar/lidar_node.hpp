@@ -2,11 +2,13 @@
 
 #include <curbstone/lidar_points_t.hpp>
 #include <curbstone/raw_packet_t.hpp>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/bus/node.hpp"
 #include "common/bus/refusal_share.hpp"
@@ -42,10 +44,10 @@ class LidarNode final : public Node {
   /// Takes a packet from a log.
   void on(const raw_packet_t& packet);
 
-  /// Whether these bytes are from the model; while it is unknown, from any LiDAR.
+  /// Whether these bytes are from the model; while it is unknown, from any that it could be.
   [[nodiscard]] bool is_own(std::span<const std::uint8_t> bytes) const {
     const models::Sender sender = models::sender_of(bytes);
-    return model_ ? model_->is_own(sender) : sender != models::Sender::kUnknown;
+    return model_ ? model_->is_own(sender) : models::is_supported(sender);
   }
 
   /// Call it before the first packet of a capture with only one device information.
@@ -69,9 +71,15 @@ class LidarNode final : public Node {
   [[nodiscard]] NodeReport report() const override;
 
  private:
+  /// Device information that came before the model was known.
+  struct EarlyInfo {
+    std::int64_t received;
+    std::vector<std::uint8_t> bytes;
+  };
   [[nodiscard]] decoding::Refusal on_points(std::int64_t received, std::span<const std::uint8_t> bytes);
   [[nodiscard]] decoding::Refusal on_info(std::int64_t received, std::span<const std::uint8_t> bytes);
-  [[nodiscard]] bool find_model(std::span<const std::uint8_t> bytes);
+  [[nodiscard]] bool find_model(std::int64_t received, std::span<const std::uint8_t> bytes);
+  void keep_early_info(std::int64_t received, std::span<const std::uint8_t> bytes);
   void refuse(const char* counter, const std::string& remedy);
   void send_ready();
   void send(decoding::PendingPacket& packet);
@@ -85,6 +93,7 @@ class LidarNode final : public Node {
   HostClockCheck host_clock_;
   models::ModelSettings settings_;
   models::ModelVote vote_;
+  std::deque<EarlyInfo> early_info_;
   std::unique_ptr<models::Model> model_;  ///< none until `model: auto` is decided
   decoding::PacketOrder order_;
   decoding::PacketClock clock_;
@@ -105,7 +114,7 @@ class LidarNode final : public Node {
   std::int64_t lost_in_second_ = 0;
   int in_scan_ = 0;  ///< packets of the current revolution so far, with split_packets
   bool came_since_tick_ = false;
-  std::string identity_;
+  models::Identity identity_;  ///< as logged
   std::string source_fault_;
   std::string sender_fault_;
   std::string buffer_fault_;

@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include "drivers/lidar/models/model_vote.hpp"
+
 namespace curbstone::lidar_tool {
 
 using lidar::models::ModelName;
@@ -49,6 +51,23 @@ std::optional<ModelName> model_of(Sender kind) {
   }
 }
 
+namespace {
+
+/// Of a Helios whose packets do not state the number of lasers: by its device information, as the driver decides it.
+std::optional<ModelName> helios_of(const Packets& packets, const Device& device) {
+  lidar::models::ModelVote vote;
+  std::int64_t infos = 0;
+  for (const Stream& stream : device.streams) infos += stream.kind == Sender::kHeliosInfo ? stream.packets : 0;
+  if (infos == 1) vote.expect_one_info();
+  std::optional<ModelName> model;
+  packets.for_each([&](const Packet& packet) {
+    if (packet.sender == device.address && !model) model = vote.offer(packet.bytes);
+  });
+  return model;
+}
+
+}  // namespace
+
 std::vector<Device> devices_in(const Packets& packets) {
   std::map<std::tuple<lidar::sources::Ipv4, int, Sender>, Stream> streams;
   packets.for_each([&](const Packet& packet) {
@@ -70,7 +89,9 @@ std::vector<Device> devices_in(const Packets& packets) {
   for (Device& device : devices) {
     std::ranges::stable_sort(device.streams, std::greater{}, &Stream::packets);
     for (const Stream& stream : device.streams) {
-      if (!device.model) device.model = model_of(stream.kind);
+      if (device.model) break;
+      device.model = model_of(stream.kind);
+      if (stream.kind == Sender::kHelios) device.model = helios_of(packets, device).value_or(*device.model);
     }
   }
   std::ranges::stable_sort(devices, std::greater{}, [](const Device& device) { return device.packets(); });

@@ -36,7 +36,7 @@ struct Device {
 };
 
 /// The model that sends packets of this kind, if this driver supports it. A Helios whose packets do not state the
-/// number of lasers is taken for a 16P.
+/// number of lasers is taken for a 16P; devices_in() asks its device information too.
 [[nodiscard]] std::optional<lidar::models::ModelName> model_of(lidar::models::Sender kind);
 
 /// By the model's name in the configuration.

@@ -38,6 +38,10 @@ std::string kind_text(Sender kind) {
       return "device information";
     case Sender::kVlp16Position:
       return "position";
+    case Sender::kHesai:
+    case Sender::kLivox:
+    case Sender::kOuster:
+      return "points, or other data of that maker";
     default:
       return "points";
   }
@@ -93,6 +97,7 @@ std::string sensor_text(const Packets& packets, const Device& device) {
     });
   };
   mine([&](const Packet& packet) { sensor.prepare(packet); });
+  sensor.finish_preparing();
   const Counters before = sensor.counters();
   mine([&](const Packet& packet) { sensor.on_packet(packet); });
   sensor.finish();
@@ -108,7 +113,8 @@ std::string sensor_text(const Packets& packets, const Device& device) {
   text += line("refused", refusals_text(counters));
   text += line("returns", sensor.return_mode().empty() ? "not sent" : sensor.return_mode());
   text += line("speed", rpm_text(sensor));
-  text += line("identity", facts.identity.empty() ? "not sent" : facts.identity);
+  const std::string identity = to_text(facts.identity);
+  text += line("identity", identity.empty() ? "not sent" : identity);
   text += line("angles", facts.angles_known ? "the device's own" : "nominal: the device has not sent its own");
   text += line("clock", clock_text(sensor));
   for (const auto& [name, value] : facts.values.values()) text += line("", fmt::format("{} = {}", name, value));

@@ -24,6 +24,7 @@ void for_each_message(const Packets& packets, const PointSource& source, const S
     });
   };
   mine([&](const Packet& packet) { sensor.prepare(packet); });
+  sensor.finish_preparing();
   mine([&](const Packet& packet) { sensor.on_packet(packet); });
   sensor.finish();
 }

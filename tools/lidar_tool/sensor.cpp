@@ -43,11 +43,21 @@ Sensor::Sensor(lidar::models::ModelName model, const OnPoints& on_points)
 void Sensor::prepare(const Packet& packet) {
   const Sender kind = lidar::models::sender_of(packet.bytes);
   if (model_->kind_of(kind) != PacketKind::kInfo) return;
-  // Sent twice: a driver accepts device information once two packets agree, and a short capture may have only one.
-  for (int i = 0; i < 2; ++i) {
-    node_.on_packet(packet.received, packet.port, packet.bytes);
-    (void)model_->read_info(packet.received, packet.bytes);
-  }
+  take_info(packet.received, packet.port, packet.bytes);
+  only_info_.reset();
+  if (++prepared_ == 1) only_info_ = Info{packet.received, packet.port, {packet.bytes.begin(), packet.bytes.end()}};
+}
+
+/// A driver accepts device information once two packets agree, so that a damaged one sets nothing. A short capture may
+/// have only one: that one is sent twice.
+void Sensor::finish_preparing() {
+  if (only_info_) take_info(only_info_->received, only_info_->port, only_info_->bytes);
+  only_info_.reset();
+}
+
+void Sensor::take_info(std::int64_t received, int port, std::span<const std::uint8_t> bytes) {
+  node_.on_packet(received, port, bytes);
+  (void)model_->read_info(received, bytes);
 }
 
 void Sensor::on_packet(const Packet& packet) {

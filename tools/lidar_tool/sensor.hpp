@@ -5,7 +5,9 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "common/bus/local_bus.hpp"
 #include "drivers/lidar/lidar_node.hpp"
@@ -24,6 +26,8 @@ class Sensor {
   /// Takes device information ahead of the points, so that a capture's first points already use the device's own
   /// angles.
   void prepare(const Packet& packet);
+  /// All of it was prepared: if there was only one, it counts.
+  void finish_preparing();
   void on_packet(const Packet& packet);
   /// Ends the input.
   void finish();
@@ -42,10 +46,19 @@ class Sensor {
   [[nodiscard]] std::optional<std::int64_t> last_stamp() const { return last_stamp_; }
 
  private:
+  struct Info {
+    std::int64_t received;
+    int port;
+    std::vector<std::uint8_t> bytes;
+  };
+  void take_info(std::int64_t received, int port, std::span<const std::uint8_t> bytes);
+
   LocalBus bus_;
   lidar::LidarNode node_;
   std::unique_ptr<lidar::models::Model> model_;  ///< a second one, for data that the node does not expose
   lidar::decoding::DecodedPacket decoded_;
+  int prepared_ = 0;
+  std::optional<Info> only_info_;
   std::string return_mode_;
   double rpm_ = 0;
   std::optional<std::int64_t> clock_difference_;

@@ -1,7 +1,5 @@
 #include "drivers/lidar/models/model_vote.hpp"
 
-#include "drivers/lidar/models/helios/device_info.hpp"
-
 namespace curbstone::lidar::models {
 
 std::optional<ModelName> ModelVote::model_of(Sender sender) const {
@@ -23,15 +21,24 @@ std::optional<ModelName> ModelVote::model_of(Sender sender) const {
   }
 }
 
+void ModelVote::read_info(std::span<const std::uint8_t> bytes) {
+  const helios::DifopResult result = helios::parse_difop(bytes);
+  if (result.refusal != decoding::Refusal::kNone) return;
+  const bool alone = only_info_ && helios::is_plausible(result.info, result.status);
+  if (info_.offer(result.info) || alone) helios_lasers_ = result.info.lasers;
+}
+
 std::optional<ModelName> ModelVote::offer(std::span<const std::uint8_t> bytes) {
   const Sender sender = sender_of(bytes);
   if (sender == Sender::kHeliosInfo) {
-    const helios::DifopResult info = helios::parse_difop(bytes);
-    if (info.refusal == decoding::Refusal::kNone) helios_lasers_ = info.info.lasers;
+    read_info(bytes);
     return std::nullopt;
   }
-  if (sender == Sender::kRs16Info || sender == Sender::kVlp16Position || sender == Sender::kUnknown)
+  if (is_info(sender) || sender == Sender::kUnknown) return std::nullopt;
+  if (!is_supported(sender)) {  // it may send beside the device, but can be none
+    if (votes_ == 0) leading_ = sender;
     return std::nullopt;
+  }
   votes_ = sender == leading_ ? votes_ + 1 : 1;
   leading_ = sender;
   return votes_ >= kAgreeing ? model_of(sender) : std::nullopt;

@@ -101,7 +101,7 @@ void UdpSource::receive(const Handler& handler) {
 }
 
 bool UdpSource::receive_one(const Handler& handler) {
-  std::array<std::uint8_t, 2048> bytes;
+  std::array<std::uint8_t, 65536> bytes;  // any datagram: one that is cut off could not be named
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(std::uint32_t))> control;
   sockaddr_in sender{};
   iovec part{bytes.data(), bytes.size()};

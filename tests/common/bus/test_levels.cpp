@@ -20,5 +20,17 @@ TEST(Levels, AreSetAmongTheCounters) {
   EXPECT_EQ(counters["tiles_waiting"], 3);
 }
 
+TEST(Levels, MayHaveATextInTheirNames) {
+  EXPECT_TRUE(is_level("device.serial_number.33C1160BAAA"));
+  EXPECT_FALSE(is_level("device.serial_number"));
+  EXPECT_FALSE(is_level("device.serial_number.1.2"));
+  EXPECT_FALSE(is_level("device.other.33C1160BAAA"));
+  Counters counters;
+  set_text(counters, "device.serial_number", "33C1160BAAA");
+  set_text(counters, "device.firmware", "");
+  EXPECT_EQ(counters["device.serial_number.33C1160BAAA"], 1);
+  EXPECT_EQ(counters.values().size(), 1U);
+}
+
 }  // namespace
 }  // namespace curbstone

@@ -10,6 +10,8 @@
 #include <thread>
 
 #include "tests/drivers/lidar/captures.hpp"
+#include "tests/drivers/lidar/models/helios/helios_packets.hpp"
+#include "tests/drivers/lidar/models/other_makers_packets.hpp"
 #include "tests/drivers/lidar/packets.hpp"
 #include "tests/paths.hpp"
 #include "tests/stamps.hpp"
@@ -94,6 +96,51 @@ TEST(LidarInfo, TellsSendersApart) {
                     HasSubstr("\n192.168.1.201: RoboSense RS-LiDAR-16"),
                     HasSubstr("\n192.168.1.202: an unknown device, whose points this program does not read"),
                     HasSubstr("9: 1 packets of 10 bytes")));
+}
+
+TEST(LidarInfo, NamesTheMakerOfPacketsThatItDoesNotRead) {
+  std::vector<Bytes> frames;
+  for (int i = 0; i < 5; ++i) frames.push_back(lidar::frame(lidar::models::ouster_packet(true, 128, 16), 7502, 0, 7));
+  for (int i = 0; i < 4; ++i) frames.push_back(lidar::frame(lidar::models::hesai_xt_packet(), 2368, 0, 8));
+  for (int i = 0; i < 3; ++i) frames.push_back(lidar::frame(lidar::models::livox_packet(), 56301, 0, 9));
+  const Capture capture(frames);
+  EXPECT_THAT(info_of(capture.name()),
+              AllOf(HasSubstr("192.168.1.7: an Ouster LiDAR, whose points this program does not read"),
+                    HasSubstr("192.168.1.8: a Hesai LiDAR, whose points this program does not read"),
+                    HasSubstr("192.168.1.9: a Livox LiDAR, whose points this program does not read")));
+}
+
+TEST(LidarInfo, BelievesNoDamagedDeviceInformation) {
+  std::vector<Bytes> frames = point_frames(100);
+  Bytes damaged = info_frame();
+  damaged[42 + 292] ^= 0x55;                                   // serial number
+  damaged[42 + 41] = damaged[42 + 42] = damaged[42 + 43] = 0;  // a firmware that counts in centimetres
+  for (const int at : {30, 60}) frames.insert(frames.begin() + at, info_frame());
+  const Capture good(frames, lidar::kEthernet, Capture::Format::kMicroseconds, 1332);
+  frames.push_back(damaged);
+  const Capture bad(frames, lidar::kEthernet, Capture::Format::kMicroseconds, 1332);
+  const auto from = [](const std::string& text, const char* what) {
+    const std::size_t at = text.find(what);
+    return text.substr(at, text.find('\n', at) - at);
+  };
+  EXPECT_EQ(from(info_of(good.name()), "points "), from(info_of(bad.name()), "points "));
+  EXPECT_EQ(from(info_of(good.name()), "identity "), from(info_of(bad.name()), "identity "));
+  EXPECT_THAT(info_of(bad.name()), HasSubstr("identity  serial number"));
+}
+
+TEST(LidarInfo, AsksTheDeviceInformationHowManyLasersAHeliosHas) {
+  using namespace lidar::models::helios;
+  for (const int infos : {1, 2}) {
+    std::vector<Bytes> frames(static_cast<std::size_t>(infos), lidar::frame(info(32), 7788));
+    for (int i = 0; i < 20; ++i) {
+      MsopPacket packet = points(i * 480, 40, kStart + i * 1333);
+      packet.type[0] = 0x07;
+      packet.type[1] = packet.type[2] = 0;
+      frames.push_back(lidar::frame(bytes_of(packet), 6699));
+    }
+    const Capture capture(frames, lidar::kEthernet, Capture::Format::kMicroseconds, 1333);
+    EXPECT_THAT(info_of(capture.name()), HasSubstr("(model: helios32)")) << infos;
+  }
 }
 
 TEST(LidarInfo, ReadsWhatThereIsOfACaptureThatIsCutOff) {

@@ -75,6 +75,7 @@ LidarPackets captured_packets(const std::string& file) {
   config.pcap = file;
   LidarPackets packets{std::filesystem::path(file).filename().string(), {}, {}, {}};
   lidar::models::ModelVote vote;
+  if (lidar::has_one_info(config)) vote.expect_one_info();
   std::optional<ModelName> model;
   std::vector<TimedPacket> all;
   for (lidar::DriverCapture capture(config, false); const auto& packet = capture.packet(); capture.advance()) {

@@ -12,6 +12,7 @@
 #include "drivers/lidar/decoding/decoded_packet.hpp"
 #include "drivers/lidar/decoding/point_writer.hpp"
 #include "drivers/lidar/decoding/refusal.hpp"
+#include "drivers/lidar/models/base/identity.hpp"
 #include "drivers/lidar/models/base/sender.hpp"
 
 namespace curbstone::lidar::models {
@@ -57,7 +58,7 @@ struct DeviceFacts {
   bool angles_known = false;        ///< of this device: reported or from a file. Otherwise nominal, or no points
   Counters values;                  ///< for SERVICE_STATUS: "device.rpm"
   std::vector<std::string> faults;  ///< faults that the device reports, in words
-  std::string identity;             ///< "serial number 33C1160BAAA, firmware ..."; empty if it reports none
+  Identity identity;                ///< reported twice the same
 };
 
 /// Interface of a LiDAR model: converts its packets to points. The output is a function of the packets and their times

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "common/bytes/big_endian.hpp"
+#include "drivers/lidar/models/base/other_makers.hpp"
 #include "drivers/lidar/models/robosense/magic.hpp"
 
 namespace curbstone::lidar::models {
@@ -55,15 +56,24 @@ Sender robosense_of(std::span<const std::uint8_t> bytes) {
   return Sender::kUnknown;
 }
 
+/// A marked block among those of another device is a damaged one: the devices with such blocks have several of them.
 Sender velodyne_of(std::span<const std::uint8_t> bytes) {
+  constexpr int kSeveral = 2;
+  int lower_bank = 0, of_vls128 = 0;
   for (std::size_t block = 0; block < 12; ++block) {
     const int first = bytes[100 * block];
     const int second = bytes[100 * block + 1];
     const int mark = first == 0xFF ? second : second == 0xFF ? first : 0;
-    if (mark == 0xDD) return Sender::kHdl64e;  // its lower bank
-    if (mark == 0xCC || mark == 0xBB) return Sender::kVls128;
-    if (first != 0xFF || second != 0xEE) return Sender::kUnknown;
+    if (mark == 0xDD)
+      ++lower_bank;
+    else if (mark == 0xCC || mark == 0xBB)
+      ++of_vls128;
+    else if (first != 0xFF || second != 0xEE)
+      return Sender::kUnknown;
   }
+  if (of_vls128 >= kSeveral) return Sender::kVls128;
+  if (lower_bank >= kSeveral) return Sender::kHdl64e;
+  if (lower_bank + of_vls128 > 0) return Sender::kUnknown;
   switch (bytes[1205]) {
     case 0x22:
       return Sender::kVlp16;
@@ -81,9 +91,8 @@ Sender velodyne_of(std::span<const std::uint8_t> bytes) {
   }
 }
 
-}  // namespace
-
-Sender sender_of(std::span<const std::uint8_t> bytes) {
+/// Of the makers whose points the driver reads.
+Sender known_sender_of(std::span<const std::uint8_t> bytes) {
   if (bytes.size() == kVelodyneSize) return velodyne_of(bytes);
   if (bytes.size() == kVelodynePositionSize) {
     // No magic; the first 198 bytes are unused and zero.
@@ -99,6 +108,13 @@ Sender sender_of(std::span<const std::uint8_t> bytes) {
   if (sender == Sender::kHelios) return helios_of(bytes);
   if (sender == Sender::kRs16Info && has_helios_angles(bytes)) return Sender::kHeliosInfo;
   return sender;
+}
+
+}  // namespace
+
+Sender sender_of(std::span<const std::uint8_t> bytes) {
+  const Sender sender = known_sender_of(bytes);
+  return sender == Sender::kUnknown ? other_maker_of(bytes) : sender;
 }
 
 const char* counter_of(Sender sender) {
@@ -132,6 +148,12 @@ const char* counter_of(Sender sender) {
       return "refused.vls128";
     case Sender::kVelodyne:
       return "refused.velodyne";
+    case Sender::kHesai:
+      return "refused.hesai";
+    case Sender::kLivox:
+      return "refused.livox";
+    case Sender::kOuster:
+      return "refused.ouster";
   }
   return "refused.magic";
 }
@@ -167,6 +189,12 @@ const char* title_of(Sender sender) {
       return "a Velodyne VLS-128";
     case Sender::kVelodyne:
       return "another Velodyne LiDAR";
+    case Sender::kHesai:
+      return "a Hesai LiDAR";
+    case Sender::kLivox:
+      return "a Livox LiDAR";
+    case Sender::kOuster:
+      return "an Ouster LiDAR";
   }
   return "an unknown device";
 }

@@ -23,9 +23,31 @@ enum class Sender {
   kHdl64e,
   kVls128,
   kVelodyne,  ///< any other Velodyne
+  kHesai,     ///< of these makers, whatever model and kind
+  kLivox,
+  kOuster,
 };
 
 [[nodiscard]] Sender sender_of(std::span<const std::uint8_t> bytes);
+
+/// Whether it sent device information, not points.
+[[nodiscard]] constexpr bool is_info(Sender sender) {
+  return sender == Sender::kRs16Info || sender == Sender::kHeliosInfo || sender == Sender::kVlp16Position;
+}
+
+/// Whether it sent something that a model of this driver reads. Others are named, but never chosen.
+[[nodiscard]] constexpr bool is_supported(Sender sender) {
+  switch (sender) {
+    case Sender::kRs16:
+    case Sender::kHelios:
+    case Sender::kHelios16p:
+    case Sender::kHelios32:
+    case Sender::kVlp16:
+      return true;
+    default:
+      return is_info(sender);
+  }
+}
 
 /// Counter of packets that are not for the chosen model: "refused.vlp16".
 [[nodiscard]] const char* counter_of(Sender sender);

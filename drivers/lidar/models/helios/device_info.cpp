@@ -22,6 +22,8 @@ namespace {
 constexpr std::size_t kRpm = 8;
 constexpr std::size_t kFovStart = 32;
 constexpr std::size_t kFovEnd = 34;
+constexpr std::size_t kTopFirmware = 40;  // 5 bytes; and so the bottom board's (nebula 07d898f, InfoPacketHelios)
+constexpr std::size_t kBottomFirmware = 45;
 constexpr std::size_t kSerialNumber = 292;  // 6 bytes
 constexpr std::size_t kReturnMode = 300;    // 0 dual, 4 strongest, 5 last, 6 first
 constexpr std::size_t kSyncMode = 301;
@@ -113,7 +115,10 @@ DifopResult parse_difop(Bytes bytes) {
   result.status.gprmc_locked = (bytes[kGpsStatus] & 2) != 0;
   result.status.sync_mode = bytes[kSyncMode];
   result.status.sync_status = bytes[kSyncStatus];
-  result.status.identity = fmt::format("serial number {:02X}", fmt::join(bytes.subspan(kSerialNumber, 6), ""));
+  const auto hex = [&](std::size_t at, std::size_t size) {
+    return fmt::format("{:02X}", fmt::join(bytes.subspan(at, size), ""));
+  };
+  result.status.identity = {hex(kSerialNumber, 6), hex(kTopFirmware, 5), hex(kBottomFirmware, 5)};
   return result;
 }
 

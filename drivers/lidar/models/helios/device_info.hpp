@@ -3,9 +3,9 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string>
 
 #include "drivers/lidar/decoding/refusal.hpp"
+#include "drivers/lidar/models/base/identity.hpp"
 #include "drivers/lidar/models/helios/helios.hpp"
 
 namespace curbstone::lidar::models::helios {
@@ -29,7 +29,7 @@ struct DeviceStatus {
   bool gprmc_locked = false;
   int sync_mode = 0;    ///< 0 GPS, 1 PTP end to end, 2 peer to peer, 3 gPTP
   int sync_status = 0;  ///< 0 none, 1 GPS, 2 PTP
-  std::string identity;
+  Identity identity;
 };
 
 struct DifopResult {

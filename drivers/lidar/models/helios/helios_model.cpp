@@ -14,8 +14,6 @@ using decoding::Refusal;
 
 namespace {
 
-constexpr double kSpeedTolerance = 0.05;
-
 /// Of the lasers of a 16P, us: all values of nebula's table, and rs_driver's before 2024-03.
 constexpr std::array<double, kRecords> kTimes16p = {0,        3.15e-6,  6.30e-6,  9.45e-6,  13.26e-6, 17.08e-6,
                                                     20.56e-6, 23.71e-6, 26.53e-6, 27.77e-6, 31.49e-6, 32.73e-6,
@@ -68,6 +66,7 @@ Refusal HeliosModel::read_info(std::int64_t received, std::span<const std::uint8
   if (!fits && (result.info.lasers != 0 || settings_.angles.empty())) return Refusal::kDifopAngles;
   const bool alone = settings_.only_info && !facts_.reported;
   if (alone && settings_.angles.empty() && !is_plausible(result.info, result.status)) return Refusal::kDifopAngles;
+  identity_.offer(result.status.identity);
   const bool agreed = info_.offer(result.info);
   if (agreed || alone) use(result.info);
   if (info_.value() || facts_.reported || alone) report_info(info_.value().value_or(result.info), result.status);
@@ -84,6 +83,7 @@ void HeliosModel::report_info(const DeviceInfo& info, const DeviceStatus& status
   facts_.reported = true;
   const int fires = ((info.fov_end - info.fov_start) % 36000 + 36000) % 36000;
   facts_.field_of_view = fires == 0 ? 360.0 : fires * 0.01;
+  facts_.values = {};
   set_level(facts_.values, "device.rpm_set", info.rpm);
   set_level(facts_.values, "device.rpm", status.rpm);
   set_level(facts_.values, "device.pps_locked", status.pps_locked ? 1 : 0);
@@ -92,11 +92,12 @@ void HeliosModel::report_info(const DeviceInfo& info, const DeviceStatus& status
   set_level(facts_.values, "device.sync_status", status.sync_status);
   set_level(facts_.values, "device.dual_return", info.dual_return ? 1 : 0);
   facts_.faults.clear();
-  if (status.rpm != 0 && info.rpm != 0 && std::abs(status.rpm - info.rpm) > kSpeedTolerance * info.rpm)
+  if (speed_.is_wrong(info.rpm, status.rpm))
     facts_.faults.push_back(fmt::format(
         "the head turns at {} rpm and not at the {} that are set: is the device blocked, cold, or about to fail?",
         status.rpm, info.rpm));
-  facts_.identity = status.identity;
+  facts_.identity = identity_.value().value_or(Identity{});
+  report(facts_.identity, facts_.values);
 }
 
 }  // namespace curbstone::lidar::models::helios

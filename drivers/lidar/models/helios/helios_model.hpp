@@ -3,6 +3,7 @@
 #include "drivers/lidar/models/base/confirmed_value.hpp"
 #include "drivers/lidar/models/base/model.hpp"
 #include "drivers/lidar/models/helios/helios_decoder.hpp"
+#include "drivers/lidar/models/robosense/speed_watch.hpp"
 
 namespace curbstone::lidar::models::helios {
 
@@ -29,6 +30,8 @@ class HeliosModel final : public Model {
   ModelSettings settings_;
   HeliosDecoder decoder_;
   ConfirmedValue<DeviceInfo> info_;
+  ConfirmedValue<Identity> identity_;
+  robosense::SpeedWatch speed_;
   DeviceFacts facts_;
 };
 

@@ -66,9 +66,8 @@ DeviceStatus status_of(const DifopPacket& packet) {
   status.gprmc_locked = (packet.gps_status & 2) != 0;
   status.millivolts = millivolts(packet.voltages);
   std::ranges::transform(packet.temperatures, status.temperatures.begin(), celsius);
-  status.identity = fmt::format("serial number {:02X}, firmware {:02X} (top) and {:02X} (bottom)",
-                                fmt::join(packet.serial_number, ""), fmt::join(packet.firmware, ""),
-                                fmt::join(packet.bottom_firmware, ""));
+  const auto hex = [](const auto& bytes) { return fmt::format("{:02X}", fmt::join(bytes, "")); };
+  status.identity = {hex(packet.serial_number), hex(packet.firmware), hex(packet.bottom_firmware)};
   return status;
 }
 

@@ -3,9 +3,9 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string>
 
 #include "drivers/lidar/decoding/refusal.hpp"
+#include "drivers/lidar/models/base/identity.hpp"
 #include "drivers/lidar/models/rs16/rs16.hpp"
 
 namespace curbstone::lidar::models::rs16 {
@@ -32,7 +32,7 @@ struct DeviceStatus {
   bool gprmc_locked = false;             ///< and a GPS's sentence
   std::array<int, 4> millivolts{};       ///< of the supplies of 5, 3.3, 2.5 and 1.2 V; 0: not reported
   std::array<double, 4> temperatures{};  ///< deg C; the manual does not say which is which
-  std::string identity;                  ///< serial number and firmware
+  Identity identity;
 };
 
 struct DifopResult {

@@ -14,12 +14,6 @@ namespace curbstone::lidar::models::rs16 {
 
 using decoding::Refusal;
 
-namespace {
-
-constexpr double kSpeedTolerance = 0.05;
-
-}  // namespace
-
 const ModelTable kTable = {"rs16", "RoboSense RS-LiDAR-16", robosense::kMsopPort, robosense::kDifopPort, kLasers};
 
 Rs16Model::Rs16Model(const ModelSettings& settings) : settings_(settings), decoder_(settings.limits) {
@@ -62,6 +56,7 @@ Refusal Rs16Model::read_info(std::int64_t received, std::span<const std::uint8_t
   (void)received;
   const DifopResult result = parse_difop(bytes);
   if (result.refusal != Refusal::kNone) return result.refusal;
+  identity_.offer(result.status.identity);
   if (info_.offer(result.info)) decoder_.set_device(with_settings(result.info));
   if (info_.value()) report_info(*info_.value(), result.status);
   return Refusal::kNone;
@@ -82,6 +77,7 @@ void Rs16Model::report_info(const DeviceInfo& info, const DeviceStatus& status) 
   const int fires = ((info.fov_end - info.fov_start) % 36000 + 36000) % 36000;
   facts_.field_of_view = fires == 0 ? 360.0 : fires * 0.01;
   facts_.angles_known = info.calibrated || !settings_.angles.empty();
+  facts_.values = {};
   set_level(facts_.values, "device.rpm_set", info.rpm);
   set_level(facts_.values, "device.rpm", status.rpm);
   set_level(facts_.values, "device.pps_locked", status.pps_locked ? 1 : 0);
@@ -97,12 +93,12 @@ void Rs16Model::report_info(const DeviceInfo& info, const DeviceStatus& status) 
   for (std::size_t i = 0; i < kTemperatures.size(); ++i)
     set_level(facts_.values, kTemperatures[i], std::lround(status.temperatures[i] * 1000));
   facts_.faults.clear();
-  // A measured speed of 0 means that an old firmware does not report it.
-  if (status.rpm != 0 && info.rpm != 0 && std::abs(status.rpm - info.rpm) > kSpeedTolerance * info.rpm)
+  if (speed_.is_wrong(info.rpm, status.rpm))
     facts_.faults.push_back(fmt::format(
         "the head turns at {} rpm and not at the {} that are set: is the device blocked, cold, or about to fail?",
         status.rpm, info.rpm));
-  facts_.identity = status.identity;
+  facts_.identity = identity_.value().value_or(Identity{});
+  report(facts_.identity, facts_.values);
 }
 
 }  // namespace curbstone::lidar::models::rs16

@@ -2,6 +2,7 @@
 
 #include "drivers/lidar/models/base/confirmed_value.hpp"
 #include "drivers/lidar/models/base/model.hpp"
+#include "drivers/lidar/models/robosense/speed_watch.hpp"
 #include "drivers/lidar/models/rs16/rs16_decoder.hpp"
 
 namespace curbstone::lidar::models::rs16 {
@@ -30,6 +31,8 @@ class Rs16Model final : public Model {
   ModelSettings settings_;
   Rs16Decoder decoder_;
   ConfirmedValue<DeviceInfo> info_;
+  ConfirmedValue<Identity> identity_;
+  robosense::SpeedWatch speed_;
   DeviceFacts facts_;
   std::int64_t stamp_ = 0;  // us, of the previous packet
   int azimuth_ = 0;         // 0.01 deg, likewise

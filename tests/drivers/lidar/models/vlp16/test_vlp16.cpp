@@ -152,6 +152,8 @@ TEST(Vlp16, NamesEveryOtherVelodyne) {
   }
   Bytes hdl64 = data_packet(0, 40);
   hdl64[101] = 0xDD;
+  EXPECT_EQ(sender_of(hdl64), Sender::kUnknown) << "one block: it is damaged";
+  hdl64[301] = 0xDD;
   EXPECT_EQ(sender_of(hdl64), Sender::kHdl64e);
 }
 
