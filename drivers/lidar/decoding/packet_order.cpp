@@ -62,6 +62,17 @@ Refusal PacketOrder::fits(const Mark& before, const Mark& packet) {
   return on_time ? Refusal::kAzimuth : Refusal::kStamp;
 }
 
+/// A stamp that is wrong by less than the tolerance is accepted, and the next good packet does not fit it. But it is a
+/// whole number of packets after the one before, as the wrong one is not.
+bool PacketOrder::base_is_the_odd_one(const Mark& packet) const {
+  if (!confirmed_ || !before_base_) return false;
+  const auto is_whole = [&](const Mark& mark) {
+    const double packets = static_cast<double>(mark.stamp - before_base_->stamp) / before_base_->duration;
+    return packets > 0.5 && std::abs(packets - std::round(packets)) < 0.1;
+  };
+  return !is_whole(*base_) && is_whole(packet) && fits(*before_base_, packet) == Refusal::kNone;
+}
+
 Refusal PacketOrder::take(std::int64_t received) {
   PendingPacket& packet = slots_[spare_];
   packet.received = received;
@@ -72,7 +83,8 @@ Refusal PacketOrder::take(std::int64_t received) {
   const Mark now = mark(packet);
   const bool waiting = confirmed_ && held_count_ > 0;
   if (base_) {
-    if (const Refusal why = fits(*base_, now); why != Refusal::kNone) {
+    const Refusal why = fits(*base_, now);
+    if (why != Refusal::kNone && !base_is_the_odd_one(now)) {
       if (const Refusal refusal = handle_misfit(now, why); refusal != Refusal::kNone) return refusal;
     } else {
       misfits_ = 0;
@@ -86,7 +98,10 @@ Refusal PacketOrder::take(std::int64_t received) {
   }
   const long ahead = base_ && !restarted_ ? missing(*base_, now) : 0;
   in_order_ = !waiting && (ahead == 0 || ahead > static_cast<long>(kMaxHeld));
-  if (!base_ || restarted_ || now.stamp > base_->stamp) base_ = now;
+  if (!base_ || restarted_ || now.stamp > base_->stamp) {
+    before_base_ = restarted_ ? std::nullopt : base_;
+    base_ = now;
+  }
   hold();
   return Refusal::kNone;
 }
@@ -97,6 +112,7 @@ Refusal PacketOrder::take_without_stamp() {
     return Refusal::kStamp;
   }
   base_.reset();
+  before_base_.reset();
   sent_.reset();
   in_order_ = true;
   hold();

@@ -72,6 +72,7 @@ class PacketOrder {
   [[nodiscard]] static Refusal fits(const Mark& before, const Mark& packet);
   [[nodiscard]] static bool other_speed(const Mark& before, const Mark& packet);
   [[nodiscard]] static bool overlap(const Mark& before, const Mark& packet);
+  [[nodiscard]] bool base_is_the_odd_one(const Mark& packet) const;
   [[nodiscard]] Refusal take_without_stamp();
   [[nodiscard]] Refusal handle_misfit(const Mark& packet, Refusal why);
   [[nodiscard]] Refusal duplicate_or_late(const Mark& packet) const;
@@ -86,8 +87,9 @@ class PacketOrder {
   std::array<std::size_t, kMaxHeld + 1> held_{};  ///< slots, by stamp
   std::size_t held_count_ = 0;
 
-  std::optional<Mark> base_;  ///< the newest accepted packet
-  bool confirmed_ = false;    ///< a second packet fitted the first
+  std::optional<Mark> base_;         ///< the newest accepted packet
+  std::optional<Mark> before_base_;  ///< the one before it
+  bool confirmed_ = false;           ///< a second packet fitted the first
   std::optional<Mark> sent_;
   std::optional<Mark> misfit_;  ///< the newest packet that did not fit
   int discarded_ = 0;

@@ -46,6 +46,19 @@ TEST_F(FaultyStreams, AnAzimuthThatJumpsEitherWayInAnyBlockCostsItsPacket) {
   }
 }
 
+TEST_F(FaultyStreams, AStampThatIsALittleWrongCostsItsPacketAtMost) {
+  for (int off = -400; off <= 400; off += 25) {
+    const RecordedPacket good = point_packet(1500);
+    set_stamp(point_packet(1500), stamp(good) + off);
+    Bench bench;
+    feed(bench);
+    EXPECT_GE(bench.points.size(), kPackets - 1U) << off << " us\n" << counters_of(bench);
+    EXPECT_EQ(bench.points.size() + static_cast<std::size_t>(bench.refused()), 0U + kPackets);
+    EXPECT_EQ(bench.count("lost.packets"), 0) << off;
+    point_packet(1500) = good;
+  }
+}
+
 TEST_F(FaultyStreams, AnAzimuthThatIsNoneCostsItsPacket) {
   const auto truth = undisturbed();
   for (std::size_t block = 0; block < 12; ++block)

@@ -35,7 +35,7 @@ std::int32_t counts_at(std::int64_t utime) {
 
 }  // namespace
 
-Soak soak_encoder(double hours) {
+Soak soak_can(double hours) {
   const auto begin = std::chrono::steady_clock::now();
   Soak soak;
   Ledger& ledger = soak.ledger;

@@ -32,7 +32,7 @@ void expect_undisturbed(const Soak& soak) {
 }
 
 TEST(Soak, AnXsensOnABadLine) {
-  const Soak soak = soak_imu(kMinute);
+  const Soak soak = soak_xsens(kMinute);
   expect_undisturbed(soak);
   const Counters& counters = soak.report.counters;
   EXPECT_EQ(counters["refused.repeated"], soak.ledger.sent(Fate::kDoubled));
@@ -44,7 +44,7 @@ TEST(Soak, AnXsensOnABadLine) {
 }
 
 TEST(Soak, AWheelDriveOnABadBus) {
-  const Soak soak = soak_encoder(kMinute);
+  const Soak soak = soak_can(kMinute);
   expect_undisturbed(soak);
   const Counters& counters = soak.report.counters;
   EXPECT_EQ(soak.ledger.used(Fate::kSwapped), soak.ledger.sent(Fate::kSwapped));
@@ -54,8 +54,27 @@ TEST(Soak, AWheelDriveOnABadBus) {
   EXPECT_THAT(soak.ledger.faults(), Each(HasSubstr("of the packets of a second were refused")));
 }
 
-TEST(Soak, ALidarOnABadNetwork) {
-  const Soak soak = soak_lidar(kMinute);
+TEST(Soak, AWitMotionOnABadLine) {
+  const Soak soak = soak_witmotion(kMinute);
+  expect_undisturbed(soak);
+  const Counters& counters = soak.report.counters;
+  EXPECT_EQ(counters["refused.repeated"], soak.ledger.sent(Fate::kDoubled));
+  EXPECT_EQ(counters["clock_restarts"], 0);
+  EXPECT_THAT(soak.ledger.faults(), Each(HasSubstr("of the packets of a second were refused")));
+}
+
+TEST(Soak, AWheelDriveOnABadModbusLine) {
+  const Soak soak = soak_modbus(kMinute);
+  expect_undisturbed(soak);
+  const Counters& counters = soak.report.counters;
+  EXPECT_EQ(soak.ledger.used(Fate::kCorrupt) + soak.ledger.used(Fate::kCut) + soak.ledger.used(Fate::kSwapped), 0);
+  EXPECT_GE(counters["refused.unasked"], soak.ledger.sent(Fate::kDoubled));
+  EXPECT_EQ(counters["refused.jump"], 0) << "a reply to another request is never taken for positions";
+  EXPECT_EQ(counters["counts_restarted"], 0);
+  EXPECT_THAT(soak.ledger.faults(), Each(HasSubstr("of the packets of a second were refused")));
+}
+
+void expect_lidar(const Soak& soak) {
   expect_undisturbed(soak);
   const Counters& counters = soak.report.counters;
   const auto& ledger = soak.ledger;
@@ -68,6 +87,18 @@ TEST(Soak, ALidarOnABadNetwork) {
             ledger.sent(Fate::kCorrupt));
   EXPECT_THAT(ledger.faults(), Each(AnyOf(HasSubstr("of the packets of a second were refused"),
                                           HasSubstr("packets were lost in a second"))));
+}
+
+TEST(Soak, AnRs16OnABadNetwork) {
+  expect_lidar(soak_rs16(kMinute));
+}
+
+TEST(Soak, AVlp16OnABadNetwork) {
+  expect_lidar(soak_vlp16(kMinute));
+}
+
+TEST(Soak, AHelios32OnABadNetwork) {
+  expect_lidar(soak_helios32(kMinute));
 }
 
 }  // namespace
