@@ -4,12 +4,6 @@
 
 namespace curbstone::lidar {
 
-namespace {
-
-constexpr std::int64_t kInfoSilence = 5'000'000;  // us without device information, sent one to ten times a second
-
-}  // namespace
-
 std::string remedy(decoding::Refusal why, const models::ModelTable& model) {
   using decoding::Refusal;
   switch (why) {
@@ -49,7 +43,7 @@ std::vector<std::string> LidarHealth::faults(const models::Model* model) const {
     const bool garbage = refused_ > 0 && refused_watch_.silence.silent() < kSilence;
     faults.push_back(garbage ? fmt::format("no usable packet for {:.1f} s on port {}: {}", silent, msop_port_, remedy_)
                              : fmt::format("no packets for {:.1f} s on port {}", silent, msop_port_));
-  } else if (info_watch_.silence.silent() >= kInfoSilence && model != nullptr && model->table().needs_info) {
+  } else if (info_is_old() && model != nullptr && model->table().needs_info) {
     const char* angles = model->facts().angles_known         ? ""
                          : model->table().has_nominal_angles ? ": nominal angles are used"
                                                              : ": no angles, so no points";

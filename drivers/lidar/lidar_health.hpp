@@ -29,11 +29,14 @@ class LidarHealth {
   void tick(std::int64_t now);
   /// No point packet has come for a second of ticks: what is missing then was not lost on the way.
   [[nodiscard]] bool is_silent() const { return used_watch_.silence.silent() >= kSilence; }
+  /// The device information is too old to say anything of the device now.
+  [[nodiscard]] bool info_is_old() const { return info_watch_.silence.silent() >= kInfoSilence; }
   /// `model`: nullptr while it is unknown.
   [[nodiscard]] std::vector<std::string> faults(const models::Model* model) const;
 
  private:
-  static constexpr std::int64_t kSilence = 1'000'000;  // us without a point packet
+  static constexpr std::int64_t kSilence = 1'000'000;      // us without a point packet
+  static constexpr std::int64_t kInfoSilence = 5'000'000;  // us without information, sent one to ten times a second
 
   /// A count, and for how long it has not increased.
   struct Watched {

@@ -211,7 +211,7 @@ std::int32_t LidarNode::scan_of_count() {
 }
 
 void LidarNode::publish_raw(std::int64_t received, int port, std::span<const std::uint8_t> bytes) {
-  if (bytes.size() > kLongestRaw) return;
+  if (bytes.size() > kLongestRaw) return counters_.add("dropped.raw_too_long");
   raw_packet_t raw;
   raw.utime = received;
   raw.port = port;
@@ -270,7 +270,8 @@ NodeReport LidarNode::report() const {
   report.counters.set("clock.jumps", order_.jumps());
   if (const auto difference = clock_.difference()) set_level(report.counters, "clock.difference_us", *difference);
   if (host_is_synchronised_) set_level(report.counters, "clock.host_synchronised", *host_is_synchronised_ ? 1 : 0);
-  if (model_) {
+  const bool tells = model_ && !health_.info_is_old();  // of the device as it is now
+  if (tells) {
     for (const auto& [name, value] : model_->facts().values.values()) report.counters.set(name, value);
   }
 
@@ -290,9 +291,9 @@ NodeReport LidarNode::report() const {
                     "below: clean the window, else have it repaired",
                     fmt::join(silent, ", ")));
   add_clock_faults(report.faults);
-  if (model_) {
+  if (tells) {
     for (const std::string& fault : model_->facts().faults) report.faults.push_back(fault);
-  } else if (report.counters["undecided"] > 0) {
+  } else if (!model_ && report.counters["undecided"] > 0) {
     report.faults.push_back(
         fmt::format("model: auto: not decided yet; the last packets are from {}", models::title_of(vote_.leading())));
   }

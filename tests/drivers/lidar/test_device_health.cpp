@@ -91,5 +91,39 @@ TEST(DeviceHealth, AWrongSpeedIsAFaultWhenTwoInARowSayIt) {
   EXPECT_THAT(bench.faults(), Not(Contains(HasSubstr("turns at"))));
 }
 
+TEST(DeviceHealth, ADeviceThatTellsNothingAnyMoreIsNotDescribedByItsLastWords) {
+  HealthBench bench(ModelName::kRs16);
+  DifopPacket slow = rs16_info();
+  slow.rpm = 1200;
+  slow.real_rpm = 6 * 1100;
+  std::int64_t now = kStart;
+  const auto pass = [&](int seconds) {
+    for (int i = 0; i < 10 * seconds; ++i) bench.node.tick(now += 100'000);
+  };
+  for (int i = 0; i < 3; ++i) bench.send_info(slow);
+  pass(4);
+  EXPECT_THAT(bench.faults(), Contains(HasSubstr("turns at 1100 rpm")));
+  EXPECT_EQ(bench.count("device.rpm"), 1100);
+  pass(3);
+  EXPECT_THAT(bench.faults(), Not(Contains(HasSubstr("turns at")))) << "it may stand by now";
+  EXPECT_FALSE(bench.node.report().counters.values().contains("device.rpm"));
+  bench.send_info(slow);
+  pass(1);
+  EXPECT_THAT(bench.faults(), Contains(HasSubstr("turns at 1100 rpm")));
+  EXPECT_EQ(bench.count("device.rpm"), 1100);
+}
+
+TEST(DeviceHealth, AnErrorOfAVlp16sPpsIsForgottenWithItsPackets) {
+  HealthBench bench(ModelName::kVlp16);
+  models::helios::Bytes position(512);
+  position[202] = 3;
+  std::int64_t now = kStart;
+  bench.send_info(position);
+  for (int i = 0; i < 30; ++i) bench.node.tick(now += 100'000);
+  EXPECT_THAT(bench.faults(), Contains(HasSubstr("PPS")));
+  for (int i = 0; i < 40; ++i) bench.node.tick(now += 100'000);
+  EXPECT_THAT(bench.faults(), Not(Contains(HasSubstr("PPS"))));
+}
+
 }  // namespace
 }  // namespace curbstone::lidar
