@@ -87,7 +87,7 @@ void SemanticMapNode::enter_epoch(std::int32_t epoch) {
   has_epoch_ = true;
   epoch_ = epoch;
   drive_started_ = false;
-  last_pose_utime_ = 0;
+  last_pose_ = {};
   lost_timer_.clear();
   assembler_.clear();
   pipeline_.clear();
