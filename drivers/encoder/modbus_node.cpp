@@ -54,8 +54,9 @@ void ModbusNode::on_reading(std::int64_t now, const modbus::Reading& reading) {
   wheels_t message = WheelsOutput::message(*sample, reading.utime);
   for (std::size_t i = 0; i < 2; ++i)
     message.faults[i] = reading.faults[i] | (stuck_.stuck(i) ? std::int32_t{StuckCounts::kFault} : 0);
-  message.enabled = !stuck_.stuck(0) && !stuck_.stuck(1) && reading.state_time != 0 && reading.state.enabled &&
-                    reading.faults_time != 0 && reading.faults[0] == 0 && reading.faults[1] == 0;
+  const auto is_of_now = [&](std::int64_t time) { return time != 0 && reading.time - time <= old_status(); };
+  message.enabled = !stuck_.stuck(0) && !stuck_.stuck(1) && is_of_now(reading.state_time) && reading.state.enabled &&
+                    is_of_now(reading.faults_time) && reading.faults[0] == 0 && reading.faults[1] == 0;
   output_.publish(message, now);
 }
 
@@ -77,20 +78,25 @@ void ModbusNode::tick(std::int64_t now) {
   share_.tick(now);
 }
 
+std::int64_t ModbusNode::old_status() const {
+  return microseconds(kOldStatus * modbus::DrivePoll::kStatusEvery / config_.modbus.rate) + 1'000'000;
+}
+
 void ModbusNode::add_faults_of_drive(NodeReport& report) const {
-  add_wheel_faults(report, reading_.faults);
-  if (reading_.state.alarm) report.faults.emplace_back("drive: alarm");
-  if (reading_.state.emergency_stop) report.faults.emplace_back("drive: emergency stop");
   if (reading_.time == 0) return;
-  const std::int64_t old = microseconds(kOldStatus * modbus::DrivePoll::kStatusEvery / config_.modbus.rate) + 1'000'000;
-  const auto check_age = [&](const char* what, std::int64_t time) {
+  const std::int64_t old = old_status();
+  // Whether what was read then is of now; otherwise that is the fault.
+  const auto is_known = [&](const char* what, std::int64_t time) {
     const std::int64_t age = time != 0 ? now_ - last_heard_ + reading_.time - time : now_ - began_;
     if (age > old)
       report.faults.push_back(
           fmt::format("the drive's {} not known for {:.0f} s", what, static_cast<double>(age) * 1e-6));
+    return age <= old;
   };
-  check_age("faults are", reading_.faults_time);
-  check_age("status is", reading_.state_time);
+  if (is_known("faults are", reading_.faults_time)) add_wheel_faults(report, reading_.faults);
+  const bool state_is_known = is_known("status is", reading_.state_time);
+  if (state_is_known && reading_.state.alarm) report.faults.emplace_back("drive: alarm");
+  if (state_is_known && reading_.state.emergency_stop) report.faults.emplace_back("drive: emergency stop");
   add_encoder_lines_fault(report, reading_.encoder_lines, config_);
 }
 

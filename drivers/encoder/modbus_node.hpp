@@ -42,6 +42,8 @@ class ModbusNode final : public Node {
 
  private:
   void add_faults_of_drive(NodeReport& report) const;
+  /// us, after which status and faults of the drive that were read say nothing of now.
+  [[nodiscard]] std::int64_t old_status() const;
 
   EncoderConfig config_;
   WheelCounter odometer_;

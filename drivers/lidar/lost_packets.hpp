@@ -1,12 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdlib>
 #include <deque>
 
 namespace curbstone::lidar {
 
 /// Counts lost packets. A packet that arrives late is subtracted again, so a loss counts only when it is kSettled old.
-/// Times in us, of receipt. Pure.
+/// Times in us, of receipt, on a clock that may be set: losses of a time that is still to come are settled too. Pure.
 class LostPackets {
  public:
   static constexpr std::int64_t kSettled = 150'000;
@@ -20,7 +21,7 @@ class LostPackets {
     if (!recent_.empty() && --recent_.back().packets == 0) recent_.pop_back();
   }
   void settle(std::int64_t now) {
-    for (; !recent_.empty() && (now - recent_.front().at >= kSettled || recent_.size() > kMaxRecent);
+    for (; !recent_.empty() && (std::abs(now - recent_.front().at) >= kSettled || recent_.size() > kMaxRecent);
          recent_.pop_front())
       total_ += recent_.front().packets;
   }

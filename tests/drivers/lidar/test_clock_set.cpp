@@ -41,5 +41,16 @@ TEST_P(LidarOnASetClock, LosesAMomentAndFollows) {
 }
 INSTANTIATE_TEST_SUITE_P(By, LidarOnASetClock, ::testing::Values(-3600, -1, -0.5, -0.05, 0.06, 0.5, 1, 3600));
 
+/// Set back by an hour, what was lost counted for nothing for an hour: it waited behind the losses of later times.
+TEST(LostPackets, CountWhenTheClockIsSetBack) {
+  LostPackets lost;
+  lost.add(3'600'000'000, 3);
+  EXPECT_EQ(lost.total(), 0) << "they may be late";
+  lost.add(1'000'000, 2);
+  EXPECT_EQ(lost.total(), 3);
+  lost.add(1'000'000 + LostPackets::kSettled, 0);
+  EXPECT_EQ(lost.total(), 5);
+}
+
 }  // namespace
 }  // namespace curbstone::lidar

@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   bool sound = true;
-  for (const auto& run : {soak_rs16, soak_vlp16, soak_helios32, soak_xsens, soak_witmotion, soak_can, soak_modbus}) {
+  for (const auto& run : {soak_xsens, soak_witmotion, soak_can, soak_modbus, soak_rs16, soak_vlp16, soak_helios32}) {
     const Ledger ledger = run(hours).ledger;
     sound = sound && ledger.used(Fate::kGood) == ledger.sent(Fate::kGood) &&
             ledger.used(Fate::kDoubled) == ledger.sent(Fate::kDoubled) && ledger.strange() == 0 &&

@@ -133,6 +133,25 @@ TEST_F(ModbusNodeTest, FaultsAndStatusThatAreNotKnownAreAFault) {
   EXPECT_FALSE(recorder_.messages().back().enabled);
 }
 
+TEST_F(ModbusNodeTest, WhatWasReadLongAgoIsNoFaultOfNow) {
+  reading_.faults = {0, 0x0404};
+  reading_.state = {false, true, true};
+  run(10);
+  stale_ = true;
+  run(200);
+  EXPECT_THAT(node_.report().faults, ::testing::Not(Contains(HasSubstr("alarm"))));
+  EXPECT_THAT(node_.report().faults, ::testing::Not(Contains(HasSubstr("over-current"))));
+  EXPECT_THAT(node_.report().faults, Contains(HasSubstr("the drive's status is not known for 4 s")));
+}
+
+TEST_F(ModbusNodeTest, ADriveWhoseStatusIsOldIsNotCalledEnabled) {
+  run(10);
+  EXPECT_TRUE(recorder_.messages().back().enabled);
+  stale_ = true;
+  run(200);
+  EXPECT_FALSE(recorder_.messages().back().enabled);
+}
+
 TEST_F(ModbusNodeTest, TheUncertaintyOfTheStampsIsReported) {
   run(100);
   EXPECT_EQ(node_.report().counters["modbus.round_trip_us"], 4'000);
