@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "common/time/has_passed.hpp"
 #include "common/time/microseconds.hpp"
 
 namespace curbstone::tensor_voting::worker {
@@ -286,12 +287,12 @@ void TensorVotingNode::tick(std::int64_t now) {
   collect_changes();
   if (lost_timer_.take() && schedule_.num_pending() <= kAtOnce) publish_all();
   publish_paced();
-  if (now - last_request_ >= kRequestInterval || now < last_request_) {
+  if (has_passed(kRequestInterval, last_request_, now)) {
     last_request_ = now;
     const tile_request_t request = follower_.make_request(now, kTilesPerRequest, kRequestPatience, x_, y_);
     if (request.num_tiles > 0) publisher_.publish("TILE_REQUEST", request);
   }
-  if (now - last_index_ >= kSecond || now < last_index_) {
+  if (has_passed(kSecond, last_index_, now)) {
     last_index_ = now;
     follow_vehicle();
     unmute();
