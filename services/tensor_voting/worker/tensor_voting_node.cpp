@@ -184,7 +184,7 @@ void TensorVotingNode::review(TileKey key) {
 /// A worker may join if it is alone, or if it has everything near the vehicle that the first index announced. Points
 /// mapped since then may be on their way, or lost, as for a worker that joined long ago.
 bool TensorVotingNode::may_join() const {
-  if (now_ - first_tick_ < kListen) return false;
+  if (!has_passed(kListen, first_tick_, now_)) return false;
   return workers_.count() == 1 || (index_heard_ && !follower_.is_behind_near(x_, y_, kJoinRadius, *index_heard_));
 }
 
