@@ -64,13 +64,16 @@ std::int32_t drive_with(const TrueDrive& drive, const catalogue::Fault& fault, r
   LogReader log(drive.log);
   catalogue::FaultyMessages messages(fault.make(), fault.from);
   MessageOrder order;
-  const auto deliver = [&](LogEvent event) {
-    const std::int64_t time = message_time(event);
-    if (time > 0 && time <= kLatest) vehicle.deliver(order.time(), std::move(event.channel), std::move(event.bytes));
-  };
   std::optional<std::int64_t> start;
   std::int32_t revolution = 0;
   double t = 0, looked = 0;
+  const auto deliver = [&](LogEvent event) {
+    const std::int64_t time = message_time(event);
+    if (time <= 0 || time > kLatest) return;
+    // The nodes are told the time by the host's clock, as the services are.
+    const std::int64_t set_by = t >= fault.from ? fault.clock_set_by : 0;
+    vehicle.deliver(order.time() + set_by, std::move(event.channel), std::move(event.bytes));
+  };
   while (auto event = log.next()) {
     if (!is_sensor(event->channel)) continue;
     if (!start) start = event->log_utime;
