@@ -306,7 +306,9 @@ void DeputyApp::on_ended(const process::CommandState& state, std::int64_t lived)
   short_runs = lived < kShortLife && state.respawn_at != 0 ? short_runs + 1 : 0;
   if (short_runs < kCrashLoop) {
     std::string what = fmt::format("{} ended: {}", id, how);
-    if (state.killed)
+    if (state.hung)
+      what += "; it hung and is replaced";
+    else if (state.killed)
       what += fmt::format("; it was killed: it did not stop within {} s", state.command.stop_time_allowed);
     if (state.refused) what += "; wrong configuration or options: it is not started again until ordered";
     log_line(what);

@@ -8,6 +8,7 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <fstream>
 #include <map>
 #include <sstream>
 #include <system_error>
@@ -93,6 +94,15 @@ class SpawnSettings {
   posix_spawnattr_t attributes{};
 };
 
+/// A deputy that the kernel spares when memory runs out (OOMScoreAdjust= of its unit) must not make all of its children
+/// as precious: then the kernel would have nobody to end but strangers, and at last the deputy.
+void make_expendable(pid_t child) {
+  const auto score_of = [](const std::string& process) { return "/proc/" + process + "/oom_score_adj"; };
+  int own = 0;
+  std::ifstream(score_of("self")) >> own;
+  if (own < 0) std::ofstream(score_of(std::to_string(child))) << 0;
+}
+
 }  // namespace
 
 SpawnedProcess spawn(const config::ExecLine& line, const std::string& mark) {
@@ -116,6 +126,7 @@ SpawnedProcess spawn(const config::ExecLine& line, const std::string& mark) {
   const int error =
       posix_spawn(&process.pid, program.c_str(), &settings.actions, &settings.attributes, argv.data(), envp.data());
   if (error != 0) fail(error, line.argv[0]);
+  make_expendable(process.pid);
   return process;
 }
 

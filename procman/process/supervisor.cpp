@@ -103,6 +103,7 @@ void Supervisor::restart(const std::string& id) {
 void Supervisor::replace(const std::string& id) {
   const auto it = commands_.find(id);
   if (it == commands_.end() || it->second->state.pid == 0 || it->second->state.stopping) return;
+  it->second->state.hung = true;
   begin_kill(*it->second);
   it->second->start_at_end = true;
   arm_timer();
@@ -147,6 +148,7 @@ void Supervisor::launch(Managed& managed) {
   state.exit_status = 0;
   state.stopping = false;
   state.killed = false;
+  state.hung = false;
   state.refused = false;
   state.started = steady_clock();
   ++state.starts;

@@ -24,6 +24,7 @@ struct CommandState {
   bool wanted = false;      ///< should be running: decides on a respawn
   bool stopping = false;
   bool killed = false;          ///< the last life needed SIGKILL
+  bool hung = false;            ///< the last life was ended by replace(): SIGKILL was no failure to stop
   bool refused = false;         ///< the last life ended with kExitConfigError: no respawn
   std::int64_t starts = 0;      ///< number of lives so far
   std::int64_t started = 0;     ///< us of steady_clock()

@@ -85,6 +85,9 @@ TEST_F(DeputyProgram, ReplacesAServiceThatHangs) {
   ASSERT_TRUE(bus_.wait_until([&] { return bus_.pid("ekf") > 0 && bus_.pid("ekf") != first; }, 60)) << deputy->output();
   EXPECT_FALSE(is_alive(first));
   EXPECT_THAT(deputy->output(), HasSubstr("ekf has said nothing for 3 s: it hangs and is replaced"));
+  EXPECT_TRUE(
+      bus_.wait_until([&] { return deputy->output().find("it hung and is replaced") != std::string::npos; }, 20))
+      << "not as one that would not stop: " << deputy->output();
   EXPECT_TRUE(bus_.wait_until([&] { return bus_.has_fault("deputy:d", "ekf was silent for 3 s"); }, 30));
 }
 

@@ -158,6 +158,7 @@ std::vector<Eigen::Isometry3d> read_poses(const std::string& path) {
 }  // namespace
 
 std::vector<Eigen::Vector3f> read_cloud(const std::string& path, const Eigen::Vector3d& origin) {
+  if (!std::filesystem::exists(path)) throw CloudFileError(fmt::format("{}: no such file", path));
   if (!is_cloud(path)) throw CloudFileError(fmt::format("{}: is not a .pcd, .ply or KITTI .bin file", path));
   check_file(path);
   std::vector<Eigen::Vector3f> points = ending(path) == ".bin" ? read_kitti(path, origin) : read_with_pcl(path, origin);

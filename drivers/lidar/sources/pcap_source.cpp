@@ -82,7 +82,10 @@ class PcapSource::Impl {
     std::array<char, PCAP_ERRBUF_SIZE> error{};
     // libpcap converts stamps in nanoseconds to microseconds.
     handle_ = pcap_open_offline(file_.c_str(), error.data());
-    if (handle_ == nullptr) throw std::runtime_error(fmt::format("cannot read the capture: {}", error.data()));
+    if (handle_ == nullptr) {
+      const std::string why = error.data();  // of a file that cannot be opened it begins with the name
+      throw std::runtime_error(why.starts_with(file_) ? why : fmt::format("{}: not a capture: {}", file_, why));
+    }
     const int link = pcap_datalink(handle_);
     read_ = reader_of(link);
     if (read_ != nullptr) return;

@@ -19,21 +19,23 @@ class Supervised {
     std::string id;
     int status;
     bool killed;
+    bool hung;
     std::int64_t at;
   };
 
   Supervised()
       : supervisor(
-            loop, {.output =
-                       [this](const std::string& id, std::string_view text) {
-                         output[id] += text;
-                         if (on_output) on_output(id, text);
-                       },
-                   .started = [this](const CommandState& state) { starts[state.command.id].push_back(steady_clock()); },
-                   .ended =
-                       [this](const CommandState& state, std::int64_t) {
-                         ends.push_back({state.command.id, state.exit_status, state.killed, steady_clock()});
-                       }}) {
+            loop,
+            {.output =
+                 [this](const std::string& id, std::string_view text) {
+                   output[id] += text;
+                   if (on_output) on_output(id, text);
+                 },
+             .started = [this](const CommandState& state) { starts[state.command.id].push_back(steady_clock()); },
+             .ended =
+                 [this](const CommandState& state, std::int64_t) {
+                   ends.push_back({state.command.id, state.exit_status, state.killed, state.hung, steady_clock()});
+                 }}) {
     loop.every(std::chrono::milliseconds(2), [this] {
       if (tick) tick();
       if (condition() || steady_clock() > deadline_) loop.stop();

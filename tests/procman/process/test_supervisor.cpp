@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <signal.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <fstream>
 
@@ -94,6 +95,26 @@ TEST(Supervisor, KillsWhatIgnoresTheSignalByItsOwnTimer) {
   EXPECT_GE(steady_clock() - begin, 300'000);
   EXPECT_EQ(s.ends.at(0).status, SIGKILL);
   EXPECT_TRUE(s.ends.at(0).killed);
+  EXPECT_FALSE(s.ends.at(0).hung);
+}
+
+/// Of a process: how willingly the kernel ends it when memory runs out, -1000 (never) to 1000.
+int oom_score(pid_t pid) {
+  int score = 1001;
+  std::ifstream("/proc/" + std::to_string(pid) + "/oom_score_adj") >> score;
+  return score;
+}
+
+TEST(Supervisor, WhatIsStartedIsNotSparedAsTheDeputyIsWhenMemoryRunsOut) {
+  const int before = oom_score(getpid());
+  std::ofstream("/proc/self/oom_score_adj") << -500;
+  if (oom_score(getpid()) != -500)
+    GTEST_SKIP() << "without CAP_SYS_RESOURCE nobody may spare himself; scripts/check vm tries it";
+  Supervised s;
+  s.start(s.add("a", "sleep 1000"));
+  ASSERT_TRUE(s.run_until([&] { return s.supervisor.find("a")->pid > 0; }));
+  EXPECT_EQ(oom_score(s.supervisor.find("a")->pid), 0);
+  std::ofstream("/proc/self/oom_score_adj") << before;
 }
 
 TEST(Supervisor, WhatHangsIsKilledAtOnceAndStartedAgain) {
@@ -105,6 +126,7 @@ TEST(Supervisor, WhatHangsIsKilledAtOnceAndStartedAgain) {
   s.supervisor.replace("a");
   ASSERT_TRUE(s.run_until([&] { return s.starts["a"].size() == 2; }, 60)) << "though it need not respawn by itself";
   EXPECT_TRUE(s.ends.at(0).killed);
+  EXPECT_TRUE(s.ends.at(0).hung) << "it was not asked to stop";
   EXPECT_EQ(s.ends.at(0).status, SIGKILL) << "one that wakes up must not end the drive, as a stop signal makes it do";
   EXPECT_EQ(s.output["a"].find("bye"), std::string::npos);
 }

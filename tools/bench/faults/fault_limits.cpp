@@ -3,23 +3,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
+#include <cmath>
 
 namespace curbstone::bench::faults {
 
 namespace {
 
-/// Cells by which two undisturbed drives of a length differ, at most.
-std::map<double, int> spreads(const FaultReport& report) {
-  std::map<double, int> spreads;
+/// Cells by which two undisturbed drives differ, for each second driven: the largest of all lengths, since some are
+/// driven only once.
+double spread(const FaultReport& report) {
+  double spread = 0;
   for (const Undisturbed& drive : report.undisturbed) {
-    if (!drive.is_spoiled()) spreads[drive.seconds] = std::max(spreads[drive.seconds], drive.live_cells_differ);
+    if (!drive.is_spoiled()) spread = std::max(spread, drive.live_cells_differ / drive.seconds);
   }
   for (const FaultRow& row : report.rows) {
-    if (row.is_undisturbed && row.cells_differ)
-      spreads[row.seconds] = std::max(spreads[row.seconds], *row.cells_differ);
+    if (row.is_undisturbed && row.cells_differ) spread = std::max(spread, *row.cells_differ / row.seconds);
   }
-  return spreads;
+  return spread;
 }
 
 bool is_judged(const FaultRow& row) {
@@ -29,14 +29,14 @@ bool is_judged(const FaultRow& row) {
 }  // namespace
 
 std::vector<std::string> broken_limits(const FaultReport& report) {
-  std::map<double, int> spread = spreads(report);
+  const double most_a_second = kMostSpreads * spread(report);
   std::vector<std::string> broken;
   for (const FaultRow& row : report.rows) {
     const auto breaks = [&](const std::string& what) { broken.push_back(fmt::format("{}: {}", row.fault, what)); };
     if (row.map != "ok") breaks("the map file: " + row.map);
     if (!row.ended_cleanly) breaks("not all processes ended by themselves");
     if (!is_judged(row) || row.excuse.covers == Excuse::Covers::kAll) continue;
-    const int most = kMostSpreads * spread[row.seconds];
+    const long most = std::lround(most_a_second * row.seconds);
     if (*row.cells_differ > most && !row.is_undisturbed)
       breaks(fmt::format("{} cells differ, more than {}", *row.cells_differ, most));
     if (*row.poses_missing > 0) breaks(fmt::format("{} poses are missing", *row.poses_missing));

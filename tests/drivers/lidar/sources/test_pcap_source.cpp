@@ -231,7 +231,7 @@ TEST(PcapSource, SaysWhatIsWrongWithAFile) {
   EXPECT_THAT([] { PcapSource("/nowhere/drive.pcap"); },
               ThrowsMessage<std::runtime_error>(HasSubstr("/nowhere/drive.pcap: No such file")));
   EXPECT_THAT([] { PcapSource(test::source_path("README.md")); },
-              ThrowsMessage<std::runtime_error>(HasSubstr("cannot read the capture")));
+              ThrowsMessage<std::runtime_error>(HasSubstr("README.md: not a capture: unknown file format")));
   const Capture can({frame({1}, 1)}, 227);
   EXPECT_THAT([&] { PcapSource{can.name()}; }, ThrowsMessage<std::runtime_error>(HasSubstr("link type")));
 }
