@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include "services/semantic_map/marking_lines/piece_sequences.hpp"
@@ -26,12 +27,14 @@ bool is_bar(const MarkingPiece& piece) {
          std::abs(piece.begin_direction.dot(piece.end_direction)) > kAlike;
 }
 
-bool are_side_by_side(const MarkingPiece& a, const MarkingPiece& b) {
-  if (std::abs(a.direction().dot(b.direction())) < kAlike) return false;
+/// Whether two bars lie beside each other as those of a crossing do, `nearest` to `farthest` m across.
+bool are_side_by_side(const MarkingPiece& a, const MarkingPiece& b, double nearest, double farthest) {
   const Eigen::Vector2d d = b.middle() - a.middle();
-  const double along = std::abs(d.dot(a.direction()));
-  const double across = std::abs(d.x() * a.direction().y() - d.y() * a.direction().x());
-  return across >= kNearest && across <= kFarthest && along <= kShift &&
+  if (d.norm() > farthest + kShift) return false;
+  const Eigen::Vector2d along = a.direction();
+  if (std::abs(along.dot(b.direction())) < kAlike) return false;
+  const double across = std::abs(d.x() * along.y() - d.y() * along.x());
+  return across >= nearest && across <= farthest && std::abs(d.dot(along)) <= kShift &&
          std::min(a.length(), b.length()) > 0.6 * std::max(a.length(), b.length());
 }
 
@@ -40,7 +43,7 @@ struct Crossing {
   Eigen::Vector2d along = Eigen::Vector2d::UnitX();
   Eigen::Vector2d across = Eigen::Vector2d::UnitY();
   double begin = 0, end = 0;   ///< m along, the median of its bars
-  double apart = 0;            ///< m from bar to bar, the median
+  double apart = 0;            ///< m from bar to bar; 0: no two are neighbours
   std::vector<double> places;  ///< m across, of each bar, sorted
 
   explicit Crossing(const std::vector<const MarkingPiece*>& bars)
@@ -54,20 +57,39 @@ struct Crossing {
       places.push_back(bar->middle().dot(across));
     }
     std::sort(places.begin(), places.end());
-    std::vector<double> gaps;
-    for (std::size_t i = 1; i < places.size(); ++i) gaps.push_back(places[i] - places[i - 1]);
+    std::vector<double> gaps;  // those that lead across a missed bar are larger
+    for (std::size_t i = 1; i < places.size(); ++i) {
+      const double gap = places[i] - places[i - 1];
+      if (gap >= kNearest && gap <= kFarthest) gaps.push_back(gap);
+    }
     begin = median_of(begins);
     end = median_of(ends);
     apart = median_of(gaps);
+    refine();
   }
 
   [[nodiscard]] bool is_even() const {
     std::size_t even = 0;
-    for (std::size_t i = 1; i < places.size(); ++i) even += has_pace(places[i] - places[i - 1]) ? 1U : 0U;
+    for (std::size_t i = 1; i < places.size(); ++i) even += fits(places[i] - places[i - 1]) ? 1U : 0U;
     return 3 * even >= 2 * (places.size() - 1);
   }
-  [[nodiscard]] bool has_pace(double gap) const { return std::abs(gap - apart) <= kUneven * apart; }
+  [[nodiscard]] bool has_pace(double gap) const { return std::abs(gap - apart) <= slack(); }
+  /// The same; also of two bars with a missed one between them.
+  [[nodiscard]] bool fits(double gap) const { return has_pace(gap) || std::abs(gap - 2 * apart) <= slack(); }
+  [[nodiscard]] double slack() const { return kUneven * apart; }
 
+  /// The mean distance, over missed bars, too: the median of a few gaps is off by a bar's own error.
+  void refine() {
+    double distance = 0;
+    double steps = 0;
+    for (std::size_t i = 1; i < places.size(); ++i) {
+      const double gap = places[i] - places[i - 1];
+      if (!fits(gap)) continue;
+      distance += gap;
+      steps += has_pace(gap) ? 1 : 2;
+    }
+    if (steps > 0) apart = distance / steps;
+  }
   /// Whether a piece lies between `begin` and `end`, with a tolerance of `slack` m.
   [[nodiscard]] bool is_between_ends(const MarkingPiece& piece, double slack) const {
     const auto [from, to] = std::minmax({piece.begin_at.dot(along), piece.end_at.dot(along)});
@@ -80,8 +102,8 @@ struct Crossing {
       return false;
     const double place = piece.middle().dot(across);
     const auto next = std::lower_bound(places.begin(), places.end(), place);
-    const bool fits_behind = next == places.begin() || has_pace(place - *(next - 1));
-    const bool fits_before = next == places.end() || has_pace(*next - place);
+    const bool fits_behind = next == places.begin() || fits(place - *(next - 1));
+    const bool fits_before = next == places.end() || fits(*next - place);
     return fits_behind && fits_before;
   }
   void add(const MarkingPiece& bar) {
@@ -111,7 +133,8 @@ tile::MarkingLine line_of(std::vector<const MarkingPiece*> bars, const Crossing&
     const MarkingPiece& bar = *bars[i];
     widths.push_back(bar.width);
     contrast += bar.contrast / static_cast<double>(bars.size());
-    if (i > 0) gaps.push_back(place(&bar) - place(bars[i - 1]) - (bar.width + bars[i - 1]->width) / 2);
+    const double from_last = i > 0 ? place(&bar) - place(bars[i - 1]) : 0;
+    if (i > 0 && crossing.has_pace(from_last)) gaps.push_back(from_last - (bar.width + bars[i - 1]->width) / 2);
     const double z = bar.samples[bar.samples.size() / 2].values.z();
     // The centre of a bar that is seen in part is not the bar's centre.
     const bool is_whole = bar.length() > kWhole * (crossing.end - crossing.begin);
@@ -128,28 +151,82 @@ tile::MarkingLine line_of(std::vector<const MarkingPiece*> bars, const Crossing&
   return line;
 }
 
-/// Groups of bars side by side, as indices of pieces.
-std::vector<std::vector<std::size_t>> group_bars(const std::vector<MarkingPiece>& pieces) {
-  std::vector<std::size_t> group(pieces.size());
-  std::iota(group.begin(), group.end(), 0);
-  const auto first_of = [&](std::size_t i) {
-    while (group[i] != i) i = group[i];
+/// Disjoint sets of pieces.
+class Groups {
+ public:
+  explicit Groups(std::size_t size) : group_(size) { std::iota(group_.begin(), group_.end(), 0); }
+  [[nodiscard]] std::size_t first_of(std::size_t i) const {
+    while (group_[i] != i) i = group_[i];
     return i;
-  };
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
-    if (!is_bar(pieces[i])) continue;
-    for (std::size_t j = 0; j < i; ++j) {
-      if ((pieces[j].middle() - pieces[i].middle()).norm() > kFarthest + kShift || !is_bar(pieces[j])) continue;
-      if (!are_side_by_side(pieces[i], pieces[j])) continue;
-      const std::size_t a = first_of(i);
-      const std::size_t b = first_of(j);
-      group[std::max(a, b)] = std::min(a, b);
+  }
+  void join(std::size_t i, std::size_t j) {
+    const std::size_t a = first_of(i);
+    const std::size_t b = first_of(j);
+    group_[std::max(a, b)] = std::min(a, b);
+  }
+  [[nodiscard]] std::vector<std::size_t> of(std::size_t i, const std::vector<std::size_t>& all) const {
+    std::vector<std::size_t> members;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(members),
+                 [&](std::size_t j) { return first_of(j) == first_of(i); });
+    return members;
+  }
+
+ private:
+  std::vector<std::size_t> group_;
+};
+
+Crossing crossing_of(const std::vector<std::size_t>& members, const std::vector<MarkingPiece>& pieces) {
+  std::vector<const MarkingPiece*> bars;
+  for (const std::size_t i : members) bars.push_back(&pieces[i]);
+  return Crossing(bars);
+}
+
+/// Joins a bar, or a group of bars at the same pace, to a group that goes on there beyond a missed bar. The pace is
+/// that of the group's neighbours, so bars that all stand twice as far apart are not joined: dashes of lanes do.
+bool join_across_missed(const std::vector<std::size_t>& bars, const std::vector<MarkingPiece>& pieces, Groups& groups) {
+  for (const std::size_t first : bars) {
+    if (groups.first_of(first) != first) continue;
+    const std::vector<std::size_t> members = groups.of(first, bars);
+    const Crossing crossing = crossing_of(members, pieces);
+    if (crossing.apart == 0) continue;
+    for (const std::size_t j : bars) {
+      if (groups.first_of(j) == first) continue;
+      const bool is_next = std::any_of(members.begin(), members.end(), [&](std::size_t i) {
+        return are_side_by_side(pieces[i], pieces[j], 2 * crossing.apart - crossing.slack(),
+                                2 * crossing.apart + crossing.slack());
+      });
+      if (!is_next) continue;
+      const double apart = crossing_of(groups.of(j, bars), pieces).apart;
+      if (apart != 0 && !crossing.has_pace(apart)) continue;
+      groups.join(first, j);
+      return true;
     }
   }
-  std::vector<std::vector<std::size_t>> groups(pieces.size());
-  for (std::size_t i = 0; i < pieces.size(); ++i) groups[first_of(i)].push_back(i);
-  std::erase_if(groups, [](const auto& members) { return members.size() < kFewestBars; });
-  return groups;
+  return false;
+}
+
+/// Groups of two or more bars side by side, as indices of pieces.
+std::vector<std::vector<std::size_t>> group_bars(const std::vector<MarkingPiece>& pieces) {
+  std::vector<std::size_t> bars;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    if (is_bar(pieces[i])) bars.push_back(i);
+  }
+  Groups groups(pieces.size());
+  for (const std::size_t i : bars) {
+    for (const std::size_t j : bars) {
+      if (j >= i) break;
+      if (are_side_by_side(pieces[i], pieces[j], kNearest, kFarthest)) groups.join(i, j);
+    }
+  }
+  while (join_across_missed(bars, pieces, groups)) {
+  }
+  std::vector<std::vector<std::size_t>> found;
+  for (const std::size_t i : bars) {
+    if (groups.first_of(i) != i) continue;
+    found.push_back(groups.of(i, bars));
+    if (found.back().size() < 2) found.pop_back();
+  }
+  return found;
 }
 
 }  // namespace
@@ -158,20 +235,25 @@ std::vector<tile::MarkingLine> extract_crossings(std::vector<MarkingPiece>& piec
   std::vector<tile::MarkingLine> lines;
   std::vector<bool> taken(pieces.size());
   for (const std::vector<std::size_t>& members : group_bars(pieces)) {
-    std::vector<const MarkingPiece*> bars;
-    for (const std::size_t i : members) bars.push_back(&pieces[i]);
-    Crossing crossing(bars);
+    Crossing crossing = crossing_of(members, pieces);
     if (!crossing.is_even()) continue;
-    for (const std::size_t i : members) taken[i] = true;
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-      if (taken[i]) continue;
-      if (crossing.goes_on_with(pieces[i])) {
+    std::vector<const MarkingPiece*> bars;
+    std::vector<bool> its(pieces.size());
+    const auto take = [&](std::size_t i) {
+      bars.push_back(&pieces[i]);
+      its[i] = true;
+    };
+    for (const std::size_t i : members) take(i);
+    for (std::size_t before = 0; before < bars.size();) {
+      before = bars.size();
+      for (std::size_t i = 0; i < pieces.size(); ++i) {
+        if (taken[i] || its[i] || !crossing.goes_on_with(pieces[i])) continue;
         crossing.add(pieces[i]);
-        bars.push_back(&pieces[i]);
-        taken[i] = true;
+        take(i);
       }
-      if (crossing.holds(pieces[i])) taken[i] = true;
     }
+    if (bars.size() < kFewestBars) continue;
+    for (std::size_t i = 0; i < pieces.size(); ++i) taken[i] = taken[i] || its[i] || crossing.holds(pieces[i]);
     lines.push_back(line_of(bars, crossing));
   }
   std::vector<MarkingPiece> rest;

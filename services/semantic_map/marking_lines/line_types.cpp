@@ -27,11 +27,10 @@ constexpr double kStopReach = 8.0;     // m from the driven path
 constexpr double kStopAcross = 0.5;    // cosine to the path
 constexpr double kBlobLength = 1.5;    // m: shorter and as wide as that is an arrow or a letter
 constexpr double kBlobWidth = 0.3;     // m
-constexpr double kFirstDash = 0.5;     // m: shorter ones are not painted
-constexpr double kBreakSlack = 0.4;    // m by which the dash beside a solid line may be longer than the others
-constexpr double kBroken = 0.5;        // of a piece's paint: with less it is broken
-constexpr double kHalfBreak = 0.1;     // m, about the place where it is
-constexpr double kGapAlike = 0.25;     // of a dashed line's gap
+constexpr double kInRhythm = 0.5;      // m by which a gap may differ from the other gaps of the dashes
+constexpr double kShortestGap = 1.5;   // m between dashes of a lane (Germany 3/1.5, UK 4/2); worn holes are shorter
+constexpr double kNextAlike = 1.4;     // factor between a gap of dashes and the next one
+constexpr double kCutSlack = 0.3;      // m: a part of a piece that is shorter is not cut off
 
 /// The ground between two pieces.
 struct Gap {
@@ -116,20 +115,29 @@ std::vector<double> gaps_within(const std::vector<Gap>& gaps, const Stretch& str
   return lengths;
 }
 
-/// Whether the pieces of a stretch are dashes. The open gaps to what is beside it say so, too: a single dash has one on
-/// each side.
-bool is_dashed(const PieceSequence& sequence, const std::vector<Gap>& gaps, const Stretch& stretch) {
-  std::vector<double> dashes = {sequence[stretch.first].length()};
-  std::vector<double> open;
+/// Lengths of dashes, and of the open gaps between them, m. A worn hole does not part a dash.
+struct Dashes {
+  std::vector<double> lengths, open;
+};
+
+Dashes dashes_of(const PieceSequence& sequence, const std::vector<Gap>& gaps, const Stretch& stretch) {
+  Dashes dashes{{sequence[stretch.first].length()}, {}};
   for (std::size_t k = stretch.first; k < stretch.last; ++k) {
     const double length = sequence[k + 1].length();
     if (gaps[k].length <= kHole) {
-      dashes.back() += gaps[k].length + length;
+      dashes.lengths.back() += gaps[k].length + length;
       continue;
     }
-    dashes.push_back(length);
-    if (gaps[k].kind != Gap::Kind::kHidden) open.push_back(gaps[k].length);
+    dashes.lengths.push_back(length);
+    if (gaps[k].kind != Gap::Kind::kHidden) dashes.open.push_back(gaps[k].length);
   }
+  return dashes;
+}
+
+/// Whether the pieces of a stretch are dashes. The open gaps to what is beside it say so, too: a single dash has one on
+/// each side.
+bool is_dashed(const PieceSequence& sequence, const std::vector<Gap>& gaps, const Stretch& stretch) {
+  auto [dashes, open] = dashes_of(sequence, gaps, stretch);
   if (*std::max_element(dashes.begin(), dashes.end()) > kLongestDash) return false;
   const auto fit = [&](std::size_t fewest) {
     return open.size() >= fewest && median_of(dashes) <= kDashOfGap * median_of(open) && are_periodic(dashes, open);
@@ -158,6 +166,29 @@ std::vector<Stretch> part(const PieceSequence& sequence, const std::vector<Gap>&
   return stretches;
 }
 
+/// Dashes that go over into a worn line without a long piece, which are not periodic as a whole: the pieces of a
+/// stretch that are not among three or more dashes with gaps alike are no dashes.
+void part_worn(const PieceSequence& sequence, const std::vector<Gap>& gaps, const Stretch& stretch,
+               std::vector<bool>& is_long) {
+  constexpr std::size_t kFewest = 3;
+  const auto is_gap = [&](std::size_t k) { return gaps[k].kind == Gap::Kind::kOpen && gaps[k].length >= kShortestGap; };
+  const auto are_alike = [&](std::size_t k) {
+    return std::max(gaps[k].length, gaps[k + 1].length) <= kNextAlike * std::min(gaps[k].length, gaps[k + 1].length);
+  };
+  std::vector<bool> is_dash(sequence.size());
+  bool has_dashes = false;
+  for (std::size_t first = stretch.first; first < stretch.last;) {
+    std::size_t last = first;
+    while (last < stretch.last && is_gap(last) && (last == first || are_alike(last - 1))) ++last;
+    if (last + 1 - first >= kFewest && is_dashed(sequence, gaps, {first, last})) {
+      has_dashes = true;
+      for (std::size_t k = first; k <= last; ++k) is_dash[k] = true;
+    }
+    first = std::max(last, first + 1);
+  }
+  for (std::size_t k = stretch.first; has_dashes && k <= stretch.last; ++k) is_long[k] = !is_dash[k];
+}
+
 /// The same. A solid line is parted from dashes; pieces that are no dashes stay with the solid line beside them.
 std::vector<Stretch> part(const PieceSequence& sequence, const std::vector<Gap>& gaps) {
   const std::size_t n = sequence.size();
@@ -177,6 +208,9 @@ std::vector<Stretch> part(const PieceSequence& sequence, const std::vector<Gap>&
       first = last + 1;
     }
   }
+  for (const Stretch& stretch : part(sequence, gaps, is_long)) {
+    if (!stretch.is_dashed && !is_long[stretch.first]) part_worn(sequence, gaps, stretch, is_long);
+  }
   std::vector<Stretch> merged;
   for (const Stretch& stretch : part(sequence, gaps, is_long)) {
     if (!merged.empty() && !stretch.is_dashed && !merged.back().is_dashed)
@@ -185,6 +219,68 @@ std::vector<Stretch> part(const PieceSequence& sequence, const std::vector<Gap>&
       merged.push_back(stretch);
   }
   return merged;
+}
+
+/// A sequence in parts.
+struct PartedSequence {
+  PieceSequence pieces;
+  std::vector<Gap> gaps;
+  std::vector<Stretch> stretches;
+
+  void reverse() {
+    pieces = reversed(pieces);
+    std::reverse(gaps.begin(), gaps.end());
+    std::reverse(stretches.begin(), stretches.end());
+    for (Stretch& stretch : stretches) {
+      const std::size_t first = pieces.size() - 1 - stretch.last;
+      stretch.last = pieces.size() - 1 - stretch.first;
+      stretch.first = first;
+    }
+  }
+  /// Cuts a piece in two at `at` m along it. Both stay in its stretch.
+  void cut(std::size_t piece, double at) {
+    auto [before, behind] = split(pieces[piece], at);
+    pieces[piece] = std::move(before);
+    pieces.insert(pieces.begin() + static_cast<std::ptrdiff_t>(piece + 1), std::move(behind));
+    gaps.insert(gaps.begin() + static_cast<std::ptrdiff_t>(piece), {0, Gap::Kind::kHole});
+    for (Stretch& stretch : stretches) {
+      stretch.first += stretch.first > piece ? 1 : 0;
+      stretch.last += stretch.last >= piece ? 1 : 0;
+    }
+  }
+};
+
+/// The length of the dash that the solid line behind a stretch of dashes begins with, m; 0: with none. It does if it
+/// begins as far behind the last of them as they are apart: dashes keep their rhythm up to where the solid line begins.
+double abutting_dash(const PartedSequence& parted, const Stretch& dashed) {
+  const Gap& to_solid = parted.gaps[dashed.last];
+  if (to_solid.kind != Gap::Kind::kOpen || to_solid.length < kShortestGap) return 0;
+  Dashes dashes = dashes_of(parted.pieces, parted.gaps, dashed);
+  if (dashed.first > 0 && parted.gaps[dashed.first - 1].kind == Gap::Kind::kOpen)
+    dashes.open.push_back(parted.gaps[dashed.first - 1].length);
+  if (dashes.open.empty() || std::abs(median_of(dashes.open) - to_solid.length) > kInRhythm) return 0;
+  return median_of(dashes.lengths);
+}
+
+/// Gives dashes that abut on the beginning of a solid line to the dashes before it.
+void cut_abutting(PartedSequence& parted) {
+  for (std::size_t i = 0; i + 1 < parted.stretches.size(); ++i) {
+    if (!parted.stretches[i].is_dashed || parted.stretches[i + 1].is_dashed) continue;
+    double left = abutting_dash(parted, parted.stretches[i]);
+    std::size_t k = parted.stretches[i + 1].first;
+    while (left > kCutSlack && k < parted.stretches[i + 1].last && parted.pieces[k].length() < left + kCutSlack &&
+           parted.gaps[k].kind == Gap::Kind::kHole) {
+      left -= parted.pieces[k].length() + parted.gaps[k].length;
+      ++k;
+    }
+    if (left > kCutSlack) {
+      if (parted.pieces[k].length() < left + kCutSlack) continue;
+      parted.cut(k, parted.pieces[k].begin + left);
+      ++k;
+    }
+    parted.stretches[i].last = k - 1;
+    parted.stretches[i + 1].first = k;
+  }
 }
 
 /// The type of a stretch that is not dashed. Gaps that nobody saw do not say that it is not whole.
@@ -216,11 +312,19 @@ MarkingType type_of(const PieceSequence& sequence, const std::vector<Gap>& gaps,
 
 std::vector<TypedSequence> type_sequence(const PieceSequence& sequence, const tile::DrivenPath& path,
                                          const SeenGround& is_seen) {
-  const std::vector<Gap> gaps = gaps_of(sequence, is_seen);
+  PartedSequence parted{sequence, gaps_of(sequence, is_seen), {}};
+  parted.stretches = part(parted.pieces, parted.gaps);
+  if (parted.stretches.size() > 1) {
+    for (int direction = 0; direction < 2; ++direction) {
+      cut_abutting(parted);
+      parted.reverse();
+    }
+  }
   std::vector<TypedSequence> typed;
-  for (const Stretch& stretch : part(sequence, gaps)) {
-    const auto at = [&](std::size_t k) { return sequence.begin() + static_cast<std::ptrdiff_t>(k); };
-    typed.push_back({PieceSequence(at(stretch.first), at(stretch.last + 1)), type_of(sequence, gaps, stretch, path)});
+  for (const Stretch& stretch : parted.stretches) {
+    const auto at = [&](std::size_t k) { return parted.pieces.begin() + static_cast<std::ptrdiff_t>(k); };
+    typed.push_back(
+        {PieceSequence(at(stretch.first), at(stretch.last + 1)), type_of(parted.pieces, parted.gaps, stretch, path)});
   }
   return typed;
 }

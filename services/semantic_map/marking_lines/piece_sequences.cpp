@@ -208,6 +208,40 @@ std::vector<PieceSequence> join_pieces(const std::vector<MarkingPiece>& pieces,
   return sequences;
 }
 
+PieceSequence reversed(const PieceSequence& sequence) {
+  PieceSequence backwards;
+  for (auto piece = sequence.rbegin(); piece != sequence.rend(); ++piece) backwards.push_back(reversed(*piece));
+  return backwards;
+}
+
+std::pair<MarkingPiece, MarkingPiece> split(const MarkingPiece& piece, double at) {
+  constexpr double kArm = 1.0;  // m that say where the line leads
+  const auto& samples = piece.samples;
+  const auto place = [&](double s) -> Eigen::Vector2d {
+    const double inside = std::clamp(s, samples.front().s, samples.back().s);
+    const auto next = std::lower_bound(samples.begin() + 1, samples.end() - 1, inside,
+                                       [](const auto& sample, double s_) { return sample.s < s_; });
+    const auto last = next - 1;
+    const double share = (inside - last->s) / std::max(next->s - last->s, 1e-9);
+    return (last->values + share * (next->values - last->values)).head<2>();
+  };
+  const auto is_behind = [&](const auto& sample) { return sample.s > at; };
+  const auto cut = std::find_if(samples.begin(), samples.end(), is_behind);
+  std::pair<MarkingPiece, MarkingPiece> parts(piece, piece);
+  auto& [before, behind] = parts;
+  before.samples.assign(samples.begin(), cut);
+  behind.samples.assign(cut, samples.end());
+  before.end = at;
+  before.end_at = behind.begin_at = place(at);
+  before.end_direction = (place(at) - place(at - kArm)).normalized();
+  behind.begin_direction = (place(at) - place(at + kArm)).normalized();
+  const double offset = cut == samples.end() ? at : cut->s;
+  for (auto& sample : behind.samples) sample.s -= offset;
+  behind.begin = at - offset;
+  behind.end = piece.end - offset;
+  return parts;
+}
+
 tile::MarkingLine line_of(const PieceSequence& sequence, tile::MarkingType type) {
   const auto [painted, samples] = lay_out(sequence);
   std::vector<double> dashes;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <utility>
 #include <vector>
 
 #include "services/semantic_map/marking_lines/marking_pieces.hpp"
@@ -17,6 +18,12 @@ using PieceSequence = std::vector<MarkingPiece>;
 /// `crossings`, where a line ends.
 [[nodiscard]] std::vector<PieceSequence> join_pieces(const std::vector<MarkingPiece>& pieces,
                                                      const std::vector<tile::MarkingLine>& crossings);
+
+/// The same pieces from the other end.
+[[nodiscard]] PieceSequence reversed(const PieceSequence& sequence);
+
+/// The parts of a piece before and behind `at`, m along it. Each needs samples: see MarkingPiece.
+[[nodiscard]] std::pair<MarkingPiece, MarkingPiece> split(const MarkingPiece& piece, double at);
 
 /// One spline through all pieces. Length and gap of its dashes are given if it is dashed.
 [[nodiscard]] tile::MarkingLine line_of(const PieceSequence& sequence, tile::MarkingType type);

@@ -93,6 +93,9 @@ void LineScore::add(const LineScore& other) {
   right_metres += other.right_metres;
   false_metres += other.false_metres;
   typed_metres += other.typed_metres;
+  for (std::size_t is = 0; is < types.size(); ++is) {
+    for (std::size_t found = 0; found < types.size(); ++found) types[is][found] += other.types[is][found];
+  }
   driven += other.driven;
   lateral.insert(lateral.end(), other.lateral.begin(), other.lateral.end());
 }
@@ -163,6 +166,7 @@ LineScore score_lines(const std::vector<MarkingLine>& lines, const Pose& T_truth
         }
         score.right_metres += metres;
         if (paint.line->type == line.type) score.typed_metres += metres;
+        score.types[static_cast<std::size_t>(paint.line->type)][static_cast<std::size_t>(line.type)] += metres;
         const bool is_lane = paint.line->type == MarkingType::kSolid || paint.line->type == MarkingType::kDashed;
         if (is_lane) score.lateral.push_back(paint.from_centre);
       }

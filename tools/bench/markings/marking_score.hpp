@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <functional>
 #include <unordered_set>
 #include <vector>
@@ -47,11 +48,16 @@ struct CellScore {
   void add(const CellScore& other);
 };
 
+/// Painted metres, by the true type and the type that was found.
+using TypeMetres =
+    std::array<std::array<double, semantic_map::tile::kNumMarkingTypes>, semantic_map::tile::kNumMarkingTypes>;
+
 struct LineScore {
   CellScore cells;
   double right_metres = 0;  ///< painted, on paint
   double false_metres = 0;
   double typed_metres = 0;      ///< of the right ones, with the right type
+  TypeMetres types{};           ///< of the right ones
   std::vector<double> lateral;  ///< m, one per 0.2 m along solid and dashed lines
   double driven = 0;            ///< m
   [[nodiscard]] double type_share() const { return right_metres > 0 ? typed_metres / right_metres : 0; }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "common/statistics/quantile.hpp"
@@ -14,6 +16,35 @@ double lateral_cm(const LineScore& score) {
 }
 double false_in_200_m(const LineScore& score) {
   return score.driven > 0 ? 200 * score.false_metres / score.driven : 0;
+}
+
+constexpr std::array<const char*, semantic_map::tile::kNumMarkingTypes> kTypeNames = {"unknown",   "solid",    "dashed",
+                                                                                      "stop line", "crossing", "other"};
+
+/// Length of which the type is wrong.
+struct WrongType {
+  double metres = 0;
+  const char* is = "";
+  const char* found = "";
+};
+
+/// The longest first.
+std::vector<WrongType> wrong_types(const LineScore& score) {
+  std::vector<WrongType> wrong;
+  for (std::size_t is = 0; is < score.types.size(); ++is) {
+    for (std::size_t found = 0; found < score.types.size(); ++found) {
+      const double metres = score.types[is][found];
+      if (is != found && metres > 0) wrong.push_back({metres, kTypeNames[is], kTypeNames[found]});
+    }
+  }
+  std::stable_sort(wrong.begin(), wrong.end(), [](const auto& a, const auto& b) { return a.metres > b.metres; });
+  return wrong;
+}
+
+nlohmann::ordered_json wrong_types_json(const LineScore& score) {
+  auto json = nlohmann::ordered_json::array();
+  for (const WrongType& w : wrong_types(score)) json.push_back({{"is", w.is}, {"found", w.found}, {"m", w.metres}});
+  return json;
 }
 
 }  // namespace
@@ -34,6 +65,10 @@ std::string to_table(const std::vector<TownFigures>& figures) {
     text += fmt::format("{:<24}{:<24}{:>7.3f}{:>7.3f}{:>7.3f}{:>9.2f}{:>8.3f}{:>9.1f}{:>9.2f}\n", f.town, f.method,
                         f.score.cells.precision(), f.score.cells.recall(), f.score.cells.f1(), lateral_cm(f.score),
                         f.score.type_share(), f.score.right_metres, false_in_200_m(f.score));
+  for (const TownFigures& f : figures) {
+    for (const WrongType& w : wrong_types(f.score))
+      text += fmt::format("{:<24}{:<24}{} as {}: {:.1f} m\n", f.town, f.method, w.is, w.found, w.metres);
+  }
   return text;
 }
 
@@ -57,6 +92,7 @@ std::string to_json(const MarkingFigures& figures) {
                              {"f1", f.score.cells.f1()},
                              {"lateral_median_cm", lateral_cm(f.score)},
                              {"type_share", f.score.type_share()},
+                             {"wrong_types", wrong_types_json(f.score)},
                              {"right_m", f.score.right_metres},
                              {"false_m", f.score.false_metres},
                              {"driven_m", f.score.driven},

@@ -55,6 +55,47 @@ TEST(Crossings, AreNotTwoBars) {
   EXPECT_THAT(pieces, SizeIs(2));
 }
 
+TEST(Crossings, GoOnBeyondABarThatIsWornAway) {
+  std::vector<MarkingPiece> pieces;
+  for (const double y : {0.0, 1.0, 3.0, 4.0}) pieces.push_back(straight({-2, y}, {2, y}, 0.5));  // pairs
+  pieces.push_back(straight({-2, 6}, {2, 6}, 0.5));
+  pieces.push_back(straight({-2, 8}, {2, 8}, 0.5));  // singles, each beyond a missed one
+  const auto crossings = extract_crossings(pieces);
+  ASSERT_THAT(crossings, SizeIs(1));
+  EXPECT_THAT(places_of(crossings[0]), ElementsAre(0, 1, 3, 4, 6, 8));
+  EXPECT_FLOAT_EQ(crossings[0].gap, 0.5F) << "the gap between bars, not the place of a missed one";
+  EXPECT_THAT(pieces, IsEmpty());
+}
+
+TEST(Crossings, HaveAPaceOfAllTheirBars) {
+  std::vector<MarkingPiece> pieces;  // as measured in a worn town: one bar is 0.1 m off
+  for (const double y : {-4.89, -3.91, -2.04, -0.89, 0.95}) pieces.push_back(straight({-2, y}, {2, y}, 0.4));
+  const auto crossings = extract_crossings(pieces);
+  ASSERT_THAT(crossings, SizeIs(1));
+  EXPECT_THAT(places_of(crossings[0]), SizeIs(5));
+}
+
+TEST(Crossings, DoNotGoOnBeyondTwoMissedBars) {
+  auto pieces = bars(3);
+  for (const double y : {5.0, 6.0, 7.0}) pieces.push_back(straight({-2, y}, {2, y}, 0.5));
+  EXPECT_THAT(extract_crossings(pieces), SizeIs(2));
+}
+
+TEST(Crossings, AreNotDashesSideBySideAsFarAsALane) {
+  std::vector<MarkingPiece> pieces;
+  for (const double y : {0.0, 2.75, 5.5}) pieces.push_back(straight({-2, y}, {2, y}, 0.3));
+  EXPECT_THAT(extract_crossings(pieces), IsEmpty());
+}
+
+TEST(Crossings, OfTwoWholeBarsHavePartsOfOthersBesideThem) {
+  auto pieces = bars(2);
+  pieces.push_back(straight({0.8, 2}, {1.7, 2}, 0.4));
+  const auto crossings = extract_crossings(pieces);
+  ASSERT_THAT(crossings, SizeIs(1));
+  EXPECT_THAT(places_of(crossings[0]), ElementsAre(0, 1, 2));
+  EXPECT_THAT(pieces, IsEmpty());
+}
+
 TEST(Crossings, HaveTheBarsOfWhichOnlyAPartIsSeen) {
   auto pieces = bars(3);
   pieces.push_back(straight({0.8, 3}, {2, 3}, 0.5));    // the next one

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,8 +26,7 @@ PieceSequence along_x(const std::vector<std::pair<double, double>>& painted) {
     piece.end_direction = Eigen::Vector2d::UnitX();
     piece.width = 0.12;
     piece.contrast = 60;
-    for (const double share : {0.0, 0.5, 1.0})
-      piece.samples.push_back({share * piece.end, {from + share * piece.end, 0, 0, 60}, 1});
+    for (double s = 0; s <= piece.end; s += 0.1) piece.samples.push_back({s, {from + s, 0, 0, 60}, 1});
   }
   return sequence;
 }
@@ -60,13 +60,49 @@ TEST(LineTypes, ADashThatIsHiddenDoesNotMakeALineSolid) {
 }
 
 TEST(LineTypes, DashesBeforeASolidLineAreALineOfTheirOwn) {
-  EXPECT_THAT(types_of({{0, 20}, {26, 29}, {35, 38}}), ElementsAre(std::pair(kIsSolid, 1), std::pair(kIsDashed, 2)));
-  EXPECT_THAT(types_of({{0, 3}, {9, 12}, {18, 38}}), ElementsAre(std::pair(kIsDashed, 2), std::pair(kIsSolid, 1)));
+  EXPECT_THAT(types_of({{0, 20}, {24, 27}, {33, 36}}), ElementsAre(std::pair(kIsSolid, 1), std::pair(kIsDashed, 2)));
+  EXPECT_THAT(types_of({{0, 3}, {9, 12}, {16, 36}}), ElementsAre(std::pair(kIsDashed, 2), std::pair(kIsSolid, 1)));
 }
 
 TEST(LineTypes, ASingleDashBetweenSolidLinesHasAGapOnEachSide) {
-  EXPECT_THAT(types_of({{0, 11}, {17, 20}, {26, 48}}),
+  EXPECT_THAT(types_of({{0, 11}, {17, 20}, {24, 48}}),
               ElementsAre(std::pair(kIsSolid, 1), std::pair(kIsDashed, 1), std::pair(kIsSolid, 1)));
+}
+
+/// From and to, m along x, of each part.
+std::vector<std::pair<int, int>> parts_of(const std::vector<std::pair<double, double>>& painted) {
+  std::vector<std::pair<int, int>> parts;
+  for (const TypedSequence& part : type_sequence(along_x(painted), {}, nullptr))
+    parts.emplace_back(static_cast<int>(std::lround(part.pieces.front().begin_at.x())),
+                       static_cast<int>(std::lround(part.pieces.back().end_at.x())));
+  return parts;
+}
+
+TEST(LineTypes, ADashThatAbutsOnASolidLineIsOneOfTheDashes) {
+  // As far from the next dash as the dashes are apart.
+  EXPECT_THAT(types_of({{0, 23}, {29, 32}, {38, 41}}), ElementsAre(std::pair(kIsSolid, 1), std::pair(kIsDashed, 3)));
+  EXPECT_THAT(parts_of({{0, 23}, {29, 32}, {38, 41}}), ElementsAre(std::pair(0, 20), std::pair(20, 41)));
+  EXPECT_THAT(parts_of({{0, 3}, {9, 12}, {18, 41}}), ElementsAre(std::pair(0, 21), std::pair(21, 41)));
+  EXPECT_THAT(parts_of({{0, 23}, {29, 32}, {38, 41}, {45, 60}}),
+              ElementsAre(std::pair(0, 20), std::pair(20, 41), std::pair(45, 60)));
+}
+
+TEST(LineTypes, AnAbuttingDashThatIsWornThroughIsOneOfTheDashes) {
+  EXPECT_THAT(parts_of({{0, 20}, {20.5, 23}, {29, 32}, {38, 41}}), ElementsAre(std::pair(0, 20), std::pair(21, 41)));
+  EXPECT_THAT(parts_of({{0, 22}, {22.5, 23}, {29, 32}, {38, 41}}), ElementsAre(std::pair(0, 20), std::pair(20, 41)));
+}
+
+TEST(LineTypes, DashesThatGoOverIntoAWornLineAreALineOfTheirOwn) {
+  // As in a worn town: no piece of the solid line is longer than a dash may be.
+  EXPECT_THAT(
+      types_of(
+          {{0, 2.8}, {9.5, 12.1}, {18.4, 21.1}, {27.1, 29}, {35.9, 38.5}, {40.2, 46.4}, {47.3, 47.9}, {48.7, 49.8}}),
+      ElementsAre(std::pair(kIsDashed, 5), std::pair(kIsSolid, 3)));
+}
+
+TEST(LineTypes, HolesOfAMetreHaveNoRhythm) {
+  EXPECT_THAT(types_of({{0, 20}, {21, 22}, {23, 24}, {25, 26}}).front(), std::pair(kIsSolid, std::size_t{1}));
+  EXPECT_EQ(parts_of({{0, 20}, {21, 22}, {23, 24}, {25, 26}}).front(), std::pair(0, 20));
 }
 
 TEST(LineTypes, WhatAWornHolePartsFromASolidLineIsSolid) {
