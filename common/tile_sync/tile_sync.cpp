@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include "common/time/has_passed.hpp"
+
 namespace curbstone {
 
 namespace {
@@ -170,7 +172,7 @@ tile_request_t TileFollower::make_request(std::int64_t now, std::size_t max_tile
                                           double y) {
   std::vector<TileKey> due;
   for (const auto& [key, behind] : behind_) {
-    if (now - behind.since >= patience && now - behind.last_asked >= 1'000'000) due.push_back(key);
+    if (std::abs(now - behind.since) >= patience && has_passed(1'000'000, behind.last_asked, now)) due.push_back(key);
   }
   std::sort(due.begin(), due.end(), [&](TileKey a, TileKey b) {
     return std::pair(squared_distance(a, x, y), a) < std::pair(squared_distance(b, x, y), b);

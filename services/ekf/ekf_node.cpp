@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "common/bus/levels.hpp"
+#include "common/time/has_passed.hpp"
 #include "common/time/microseconds.hpp"
 #include "services/ekf/ekf_faults.hpp"
 #include "services/ekf/ekf_messages.hpp"
@@ -47,7 +48,7 @@ void EkfNode::tick(std::int64_t now) {
   start_.tick(now);
   sent_.tick();
   if (!state_keeper_ || !filter_.filter().started()) return;
-  if (now >= state_kept_ && now - state_kept_ < kStatePeriod) return;
+  if (!has_passed(kStatePeriod, state_kept_, now)) return;
   state_kept_ = now;
   model::Belief belief = filter_.filter().axes().with_restored_biases(filter_.filter().belief());
   belief.utime += clock_.offset();

@@ -10,6 +10,7 @@
 #include "common/bus/levels.hpp"
 #include "common/resend/message_keeper.hpp"
 #include "common/time/clock.hpp"
+#include "common/time/has_passed.hpp"
 
 namespace curbstone::mapper {
 namespace {
@@ -244,7 +245,7 @@ void MapperNode::tick(std::int64_t now) {
   sender_.send_trajectory();
   send_changes(now);
   sender_.send_requested(mapper_->shown());
-  if (std::abs(now - index_sent_) >= kIndexPeriod) send_index(now);
+  if (has_passed(kIndexPeriod, index_sent_, now)) send_index(now);
   keep_map();
   if (std::exchange(is_pause_, true))
     mapper_->begin_free_space_removal();  // downstream services are done with the scan

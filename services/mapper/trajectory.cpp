@@ -19,7 +19,10 @@ void Trajectory::add(const TrajectoryPoint& point, const pose_graph::Atlas& atla
   const bool stands = !stored_poses_.empty() && stored_poses_.back().node == pose.node &&
                       (stored_poses_.back().position - pose.position).norm() < kPoseSpacing;
   if (!stands) stored_poses_.push_back(pose);
-  if (!point.T_odom_base) return odometry_pairs_.clear();
+  const bool set_back = !odometry_pairs_.empty() && point.utime < odometry_pairs_.back().pose.utime;
+  was_set_back_ = was_set_back_ || set_back;
+  if (!point.T_odom_base || set_back) odometry_pairs_.clear();
+  if (!point.T_odom_base) return;
   odometry_pairs_.push_back({pose, *point.T_odom_base});
   while (point.utime - odometry_pairs_.front().pose.utime > kPairsKept) odometry_pairs_.pop_front();
 }
@@ -32,13 +35,15 @@ void Trajectory::roll_back(std::int64_t utime) {
 std::vector<TrajectoryPoint> Trajectory::points(const pose_graph::Atlas& atlas) const {
   std::vector<TrajectoryPoint> points;
   points.reserve(stored_poses_.size() + 1);
-  auto pair = odometry_pairs_.begin();
-  for (const StoredPose& f : stored_poses_) {
-    while (pair != odometry_pairs_.end() && pair->pose.utime < f.utime) ++pair;
-    const bool is_known = pair != odometry_pairs_.end() && pair->pose.utime == f.utime;
-    points.push_back({f.utime, f.revolution, T_map_of(f, atlas), f.node,
+  // From the end on: the pairs are of the last poses, and before them the clock may have been set.
+  auto pair = odometry_pairs_.rbegin();
+  for (auto f = stored_poses_.rbegin(); f != stored_poses_.rend(); ++f) {
+    while (pair != odometry_pairs_.rend() && pair->pose.utime > f->utime) ++pair;
+    const bool is_known = pair != odometry_pairs_.rend() && pair->pose.utime == f->utime;
+    points.push_back({f->utime, f->revolution, T_map_of(*f, atlas), f->node,
                       is_known ? std::optional(pair->T_odom_base) : std::nullopt});
   }
+  std::reverse(points.begin(), points.end());
   if (odometry_pairs_.empty() || odometry_pairs_.front().pose.utime <= stored_poses_.back().utime) return points;
   const auto& [f, T_odom_base] = odometry_pairs_.front();
   points.push_back({f.utime, f.revolution, T_map_of(f, atlas), f.node, T_odom_base});
@@ -47,6 +52,7 @@ std::vector<TrajectoryPoint> Trajectory::points(const pose_graph::Atlas& atlas) 
 
 std::optional<std::int64_t> Trajectory::last_agreement(const Pose& T_map_base, std::int64_t utime,
                                                        const Pose& T_odom_base, const pose_graph::Atlas& atlas) const {
+  if (was_set_back_) return std::nullopt;
   bool disagreed = false;
   for (auto it = odometry_pairs_.rbegin(); it != odometry_pairs_.rend() && utime - it->pose.utime < kPairsKept; ++it) {
     const Pose moved = it->T_odom_base.inverse() * T_odom_base;

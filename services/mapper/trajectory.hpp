@@ -32,7 +32,8 @@ class Trajectory {
   /// since had one. If the vehicle has stood for longer than that, one more pose with odometry is appended.
   [[nodiscard]] std::vector<TrajectoryPoint> points(const pose_graph::Atlas& atlas) const;
   /// The vehicle is at `T_map_base` at `utime`. Returns the time, us, of the latest pose from which odometry leads to
-  /// `T_map_base`; nothing if that is the last pose, or if there is none within 30 s.
+  /// `T_map_base`; nothing if that is the last pose, or if there is none within 30 s. Nothing, too, once the host's
+  /// clock was set back in the drive: what is mapped cannot be rolled back to a time when all of before is later.
   [[nodiscard]] std::optional<std::int64_t> last_agreement(const Pose& T_map_base, std::int64_t utime,
                                                            const Pose& T_odom_base,
                                                            const pose_graph::Atlas& atlas) const;
@@ -54,6 +55,7 @@ class Trajectory {
 
   std::vector<StoredPose> stored_poses_;     // one every few centimetres
   std::deque<OdometryPair> odometry_pairs_;  // of the last scans, all with odometry
+  bool was_set_back_ = false;                // the clock
 };
 
 }  // namespace curbstone::mapper

@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/time/has_passed.hpp"
+
 namespace curbstone::recorder {
 namespace {
 
@@ -53,7 +55,7 @@ void RecorderNode::write(const std::string& channel, const void* data, int size,
 }
 
 void RecorderNode::tick(std::int64_t now) {
-  if (now - last_ < kPeriod) return;
+  if (!has_passed(kPeriod, last_, now)) return;
   last_ = now;
   if (recording_) {
     flush();

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "common/time/has_passed.hpp"
+
 namespace curbstone::relay {
 
 namespace {
@@ -37,7 +39,7 @@ void RelayNode::forward_to_bus(std::int64_t now) {
 void RelayNode::tick(std::int64_t now) {
   now_ = now;
   if (start_ == 0) start_ = now;
-  if (now - last_sign_ < kSecond && now >= last_sign_) return;
+  if (!has_passed(kSecond, last_sign_, now)) return;
   last_sign_ = now;
   peers_.send({}, {});
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/bus/levels.hpp"
+#include "common/time/has_passed.hpp"
 #include "services/semantic_map/semantic_messages.hpp"
 
 namespace curbstone::semantic_map {
@@ -87,7 +88,7 @@ void SemanticMapNode::enter_epoch(std::int32_t epoch) {
   has_epoch_ = true;
   epoch_ = epoch;
   drive_started_ = false;
-  last_pose_utime_ = 0;
+  last_pose_ = {};
   lost_timer_.clear();
   assembler_.clear();
   pipeline_.clear();
@@ -160,12 +161,12 @@ void SemanticMapNode::tick(std::int64_t now) {
   if (!idles_) publish_changed(work_on_all(now), now);
   std::erase_if(unsent_, [&](TileKey key) { return publish_if_due(key, now); });
   answer_requests();
-  if (now - last_request_ >= kRequestPeriod) send_requests(now);
-  if (has_points() && curbs_changed_ && now - last_curbs_ >= kCurbsPeriod) publish_curbs(now);
-  if (has_points() && markings_changed_ && now - last_markings_ >= kMarkingsPeriod) publish_markings(now);
-  if (now - last_index_ >= kIndexPeriod) publish_index(now);
+  if (has_passed(kRequestPeriod, last_request_, now)) send_requests(now);
+  if (has_points() && curbs_changed_ && has_passed(kCurbsPeriod, last_curbs_, now)) publish_curbs(now);
+  if (has_points() && markings_changed_ && has_passed(kMarkingsPeriod, last_markings_, now)) publish_markings(now);
+  if (has_passed(kIndexPeriod, last_index_, now)) publish_index(now);
   settle_while_lost();
-  if (now - last_write_ >= kWritePeriod) {
+  if (has_passed(kWritePeriod, last_write_, now)) {
     last_write_ = now;
     if (drive_started_) store(now);
   }
@@ -293,7 +294,7 @@ void SemanticMapNode::publish_markings(std::int64_t now) {
 void SemanticMapNode::store(std::int64_t now) {
   // The writing thread may be linking lines, and the linker must not run twice at a time.
   if (lines_unstored_ && keeper_.keeps() && !keeper_.busy() &&
-      now - last_lines_stored_ >= std::max(kStoreLinesPeriod, kStoreLinesShare * keeper_.linking_took())) {
+      has_passed(std::max(kStoreLinesPeriod, kStoreLinesShare * keeper_.linking_took()), last_lines_stored_, now)) {
     last_lines_stored_ = now;
     lines_unstored_ = false;
     keeper_.put(linker_.link_snapshot(pipeline_, keeper_.previous_lines()));

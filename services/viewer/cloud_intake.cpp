@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "common/time/has_passed.hpp"
+
 namespace curbstone::viewer {
 
 using store::DenseCloud;
@@ -45,7 +47,7 @@ void CloudIntake::look(const Wish& wish, std::int32_t epoch, const std::optional
 }
 
 void CloudIntake::ask(std::int64_t now, const Wish& wish, Publisher& out) {
-  if (std::abs(now - last_request_) < kRequestPeriod) return;
+  if (!has_passed(kRequestPeriod, last_request_, now)) return;
   last_request_ = now;
   // The tiles of a cross-section may lie so far away that their owner announces them seldom.
   for (const auto& [x, y] : wish.cuts) {

@@ -9,6 +9,7 @@
 
 #include "common/bus/levels.hpp"
 #include "common/geometry/geometry.hpp"
+#include "common/time/has_passed.hpp"
 
 namespace curbstone::viewer {
 
@@ -256,14 +257,14 @@ void ViewerNode::tick(std::int64_t now) {
   for (const web::Connections::Event& event : connections_.take_events()) receive(event);
   watch_scan();
   watch_cloud();
-  if (std::abs(now - last_request_) >= kRequestPeriod) {
+  if (has_passed(kRequestPeriod, last_request_, now)) {
     last_request_ = now;
     const tile_request_t request =
         pose_ ? tiles_.make_request(now, 200, 300'000, pose_->map_base_position[0], pose_->map_base_position[1])
               : tiles_.make_request(now);
     if (request.num_tiles > 0) bus_.publish("TILE_REQUEST", request);
   }
-  if (!pages_.empty() && std::abs(now - last_services_) >= kServicesPeriod) {
+  if (!pages_.empty() && has_passed(kServicesPeriod, last_services_, now)) {
     last_services_ = now;
     services_json_ = services_json(services_, now);
     ++services_number_;

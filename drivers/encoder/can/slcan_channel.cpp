@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/time/has_passed.hpp"
+
 namespace curbstone::encoder::can {
 
 namespace {
@@ -121,20 +123,20 @@ void SlcanChannel::send(const CanFrame& frame) {
 }
 
 void SlcanChannel::tick(std::int64_t now) {
-  const std::int64_t elapsed = now - since_;
+  const auto waited = [&](std::int64_t period) { return has_passed(period, since_, now); };
   last_tick_ = now;
   switch (state_) {
     case State::kIdle:
       start(now);
       break;
     case State::kClosing:
-      if (elapsed >= kCloseTime) enter(State::kSettingSpeed, now, fmt::format("S{}\r", speed_));
+      if (waited(kCloseTime)) enter(State::kSettingSpeed, now, fmt::format("S{}\r", speed_));
       break;
     case State::kSettingSpeed:
-      if (elapsed >= kAnswerTime) enter(State::kOpening, now, "O\r");
+      if (waited(kAnswerTime)) enter(State::kOpening, now, "O\r");
       break;
     case State::kOpening:
-      if (elapsed >= kAnswerTime) open(now);  // assumed to be open; a silence will show if it is not
+      if (waited(kAnswerTime)) open(now);  // assumed to be open; a silence will show if it is not
       break;
     case State::kOpen:
       if (now - last_frame_ < kSilence) {
@@ -147,13 +149,13 @@ void SlcanChannel::tick(std::int64_t now) {
       start(now);
       break;
     case State::kRefused:
-      if (elapsed >= kRetryPeriod) start(now);
+      if (waited(kRetryPeriod)) start(now);
       break;
   }
 }
 
 void SlcanChannel::ask_for_flags(std::int64_t now) {
-  if (now - asked_ < kFlagsPeriod || unknown_flags_ == kMaxUnknownFlags) return;
+  if (!has_passed(kFlagsPeriod, asked_, now) || unknown_flags_ == kMaxUnknownFlags) return;
   asked_ = now;
   if (++unknown_flags_ == kMaxUnknownFlags) return counters_.set("slcan.flags_unknown", 1);
   static constexpr std::array<std::uint8_t, 2> kQuestion = {'F', '\r'};

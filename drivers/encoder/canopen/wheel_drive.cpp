@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/bytes/little_endian.hpp"
+#include "common/time/has_passed.hpp"
 
 namespace curbstone::encoder::canopen {
 
@@ -240,7 +241,7 @@ void WheelDrive::tick(std::int64_t now) {
   // tick.
   const bool slept = now - std::exchange(last_tick_, now) > settings_.patience / 2;
   sdo_.tick(now);
-  if (state_ == State::kFailed && now - since_ >= kSetUpRetryPeriod) restart(now);
+  if (state_ == State::kFailed && has_passed(kSetUpRetryPeriod, since_, now)) restart(now);
   if (state_ != State::kRunning) return;
   if (now - last_counts_ > settings_.patience && !slept) {
     counters_.add("drive.silences");
@@ -257,7 +258,7 @@ void WheelDrive::poll(std::int64_t now) {
     sdo_.read(now, kEncoderLines, [this](std::int64_t, const SdoClient::Result& result) {
       encoder_lines_ = result.status == Status::kOk ? result.value : 0;
     });
-  } else if (poll_now_ || now - last_poll_ >= kPollPeriod) {
+  } else if (poll_now_ || has_passed(kPollPeriod, last_poll_, now)) {
     poll_now_ = false;
     last_poll_ = now;
     sdo_.read(now, kFaults, [this](std::int64_t at, const SdoClient::Result& result) {

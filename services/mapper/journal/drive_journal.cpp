@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/time/has_passed.hpp"
 #include "services/mapper/journal/journal_codec.hpp"
 #include "services/mapper/journal/journal_file.hpp"
 
@@ -56,7 +57,7 @@ void DriveJournal::start_epoch(std::int32_t epoch, std::vector<RecordedPose> dri
 bool DriveJournal::needs_restart(std::int64_t now) const {
   if (failed_ != 0) {
     if (writer_.is_full()) return false;
-    return now - failed_ >= kRetry || (now - failed_ >= kRetryWithRoom && writer_.has_room_again());
+    return has_passed(kRetry, failed_, now) || (has_passed(kRetryWithRoom, failed_, now) && writer_.has_room_again());
   }
   return !begins_ && evicted_bytes_ > std::max(kWorthwhile, writer_.bytes() / 2);
 }
@@ -67,7 +68,7 @@ void DriveJournal::add(const RecordedPose& pose) {
 }
 
 void DriveJournal::wait(std::int64_t now) {
-  if (!is_adopted_ || epoch_ != 0 || (now - appended_ < kKeepAlivePeriod && now >= appended_) || writer_.busy()) return;
+  if (!is_adopted_ || epoch_ != 0 || !has_passed(kKeepAlivePeriod, appended_, now) || writer_.busy()) return;
   appended_ = now;
   writer_.keep_young();
 }
@@ -106,7 +107,7 @@ void DriveJournal::write(const dense_map::DenseMap& map, const pose_graph::Atlas
   }
   if (!writer_.fault().empty()) return give_up(now, writer_.fault());
   items += new_items(map, atlas, now);
-  if (items.empty() && now - appended_ < kKeepAlivePeriod && now >= appended_) return;
+  if (items.empty() && !has_passed(kKeepAlivePeriod, appended_, now)) return;
   appended_ = now;
   writer_.append(make_batch(items), is_complete(map, atlas));
 }

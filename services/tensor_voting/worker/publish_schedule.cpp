@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/time/has_passed.hpp"
+
 namespace curbstone::tensor_voting::worker {
 
 void PublishSchedule::changed(TileKey key, std::int32_t revision, std::int64_t utime, std::int64_t now) {
@@ -21,7 +23,7 @@ void PublishSchedule::wanted(TileKey key, std::int64_t now) {
 void PublishSchedule::published(TileKey key, std::int32_t revision, std::int64_t now) {
   Published& out = published_[key];
   out.revision = std::max(out.revision, revision);
-  out.at = std::max(out.at, now);
+  if (now != 0) out.at = now;
   const auto it = pending_.find(key);
   if (it != pending_.end() && it->second.revision <= revision) pending_.erase(it);
 }
@@ -49,9 +51,10 @@ std::optional<TileKey> PublishSchedule::next(std::int64_t now, double x, double 
   for (const auto& [key, tile] : pending_) {
     const auto it = published_.find(key);
     const Published out = it == published_.end() ? Published{0, 0} : it->second;
-    if (it != published_.end() && now - out.at < config_.min_interval) continue;
+    if (it != published_.end() && !has_passed(config_.min_interval, out.at, now)) continue;
     const double changed = tile.wanted ? 1.0 : 1.0 - static_cast<double>(out.revision) / tile.revision;
-    const double waited = static_cast<double>(now - tile.since) / static_cast<double>(config_.patience);
+    const std::int64_t since = std::min(tile.since, now);  // later: the clock was set back meanwhile
+    const double waited = static_cast<double>(now - since) / static_cast<double>(config_.patience);
     const double nearness = 1 / (1 + squared_distance(key, x, y) / (config_.near * config_.near));
     const double score = (freshness(tile, now) * changed + waited) * nearness;
     if (score > best_score) {

@@ -27,7 +27,7 @@ class PublishSchedule {
   void changed(TileKey key, std::int32_t revision, std::int64_t utime, std::int64_t now);
   /// A subscriber lacks the tile: it is due at once, changed or not.
   void wanted(TileKey key, std::int64_t now);
-  /// `revision` was published, by this worker or another one.
+  /// `revision` was published, by this worker or another one; `now` is 0 where it is not known when.
   void published(TileKey key, std::int32_t revision, std::int64_t now);
   /// This worker no longer owns the tile. Its published revision is kept.
   void drop(TileKey key) { pending_.erase(key); }

@@ -1,5 +1,6 @@
 #include "services/tensor_voting/worker/rendezvous_owners.hpp"
 
+#include <cstdlib>
 #include <string_view>
 #include <utility>
 
@@ -32,7 +33,7 @@ void RendezvousOwners::on_heartbeat(const std::string& name, std::int64_t now) {
 }
 
 bool RendezvousOwners::update(std::int64_t now) {
-  std::erase_if(last_heard_, [&](const auto& worker) { return now - worker.second > timeout_; });
+  std::erase_if(last_heard_, [&](const auto& worker) { return std::abs(now - worker.second) > timeout_; });
   std::vector<std::string> living;
   for (const auto& [name, when] : last_heard_) living.push_back(name);
   return std::exchange(others_, living) != living;

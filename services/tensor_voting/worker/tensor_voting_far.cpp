@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/time/has_passed.hpp"
 #include "services/tensor_voting/worker/tensor_voting_node.hpp"
 
 /// @file
@@ -41,7 +42,8 @@ bool TensorVotingNode::has_neighbours(TileKey key) const {
 /// are expected.
 bool TensorVotingNode::may_release(TileKey key) const {
   const auto heard = far_heard_.find(key);
-  if (heard != far_heard_.end() && (now_ - heard->second < kFarPatience || follower_.is_behind(key))) return false;
+  if (heard != far_heard_.end() && (!has_passed(kFarPatience, heard->second, now_) || follower_.is_behind(key)))
+    return false;
   bool waits = false;
   for_each_around(key, [&](TileKey around) {
     const bool is_new = map_.points().find(around) != nullptr && schedule_.published_revision(around) == 0;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "common/time/has_passed.hpp"
 #include "common/time/microseconds.hpp"
 
 namespace curbstone::tensor_voting::worker {
@@ -183,7 +184,7 @@ void TensorVotingNode::review(TileKey key) {
 /// A worker may join if it is alone, or if it has everything near the vehicle that the first index announced. Points
 /// mapped since then may be on their way, or lost, as for a worker that joined long ago.
 bool TensorVotingNode::may_join() const {
-  if (now_ - first_tick_ < kListen) return false;
+  if (!has_passed(kListen, first_tick_, now_)) return false;
   return workers_.count() == 1 || (index_heard_ && !follower_.is_behind_near(x_, y_, kJoinRadius, *index_heard_));
 }
 
@@ -286,12 +287,12 @@ void TensorVotingNode::tick(std::int64_t now) {
   collect_changes();
   if (lost_timer_.take() && schedule_.num_pending() <= kAtOnce) publish_all();
   publish_paced();
-  if (now - last_request_ >= kRequestInterval || now < last_request_) {
+  if (has_passed(kRequestInterval, last_request_, now)) {
     last_request_ = now;
     const tile_request_t request = follower_.make_request(now, kTilesPerRequest, kRequestPatience, x_, y_);
     if (request.num_tiles > 0) publisher_.publish("TILE_REQUEST", request);
   }
-  if (now - last_index_ >= kSecond || now < last_index_) {
+  if (has_passed(kSecond, last_index_, now)) {
     last_index_ = now;
     follow_vehicle();
     unmute();

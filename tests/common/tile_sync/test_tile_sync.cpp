@@ -81,6 +81,21 @@ TEST(TileFollower, AsksAtOnceForWhatItCannotGoOnFrom) {
   EXPECT_EQ(follower.behind(), 0U);
 }
 
+TEST(TileFollower, AsksWhenTheClockIsSetBackToo) {
+  TileCatalog catalog("mapper", "MAP_POINTS");
+  catalog.start_epoch(1);
+  catalog.set_version({2, 3}, 5);
+  TileFollower follower("voter", "MAP_POINTS");
+  follower.start_epoch(1);
+  constexpr std::int64_t kHour = 3'600'000'000;
+  for (const auto& page : catalog.make_index(2 * kHour, 0, 0)) EXPECT_TRUE(follower.announced(page));
+  EXPECT_EQ(follower.make_request(2 * kHour - 1000, 9, 300'000, 0, 0).num_tiles, 0)
+      << "another host's clock, 1 ms ahead";
+  EXPECT_EQ(follower.make_request(kHour, 9, 300'000, 0, 0).num_tiles, 1);
+  EXPECT_EQ(follower.make_request(kHour + 500'000, 9, 300'000, 0, 0).num_tiles, 0);
+  EXPECT_EQ(follower.make_request(1, 9, 300'000, 0, 0).num_tiles, 1) << "again, though it was asked for in the future";
+}
+
 TEST(TileFollower, AsksForTheNearestTilesFirst) {
   TileCatalog catalog("mapper", "MAP_POINTS");
   catalog.start_epoch(1);

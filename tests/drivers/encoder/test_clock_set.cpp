@@ -23,5 +23,14 @@ TEST_P(EncoderOnASetClock, LosesAMomentAndFollows) {
 }
 INSTANTIATE_TEST_SUITE_P(By, EncoderOnASetClock, ::testing::Values(-3600, -1, -0.5, -0.05, 0.06, 0.5, 1, 3600));
 
+TEST_F(EncoderOfADrive, IsAskedForItsFaultsAfterTheHostsClockWasSetBackToo) {
+  rig_.run_for(6'000'000);
+  rig_.host_set_by = -3'600'000'000;
+  rig_.run_for(3'000'000);
+  (void)rig_.drive.set_faults(0, 0x0404);  // the emergency message is lost
+  rig_.run_for(5'000'000);
+  EXPECT_EQ(rig_.messages().back().faults[wheels_t::RIGHT], 0x0404);
+}
+
 }  // namespace
 }  // namespace curbstone::encoder

@@ -60,6 +60,19 @@ TEST_F(TrajectoryTest, OfASlowVehicleHasAPoseEachFewCentimetresAndWhatOdometrySa
   for (const TrajectoryPoint& point : points) expect_odometry(point);
 }
 
+TEST_F(TrajectoryTest, AfterTheClockWasSetBackNothingIsRolledBackAndOdometryIsKnownAnew) {
+  drive(40, 1);
+  time_ -= 3600;
+  drive(40, 1);
+  const auto points = trajectory_.points(atlas_);
+  ASSERT_EQ(points.size(), 80U);
+  EXPECT_FALSE(points[39].T_odom_base) << "of another clock";
+  for (std::size_t i = 41; i < 80; ++i) expect_odometry(points[i]);
+  const Pose elsewhere = test::pose(x_ + 5, 0, 0, 0, 0, 0);
+  const Pose T_odom_base = kMapOdom.inverse() * test::pose(x_, 0, 0, 0, 0, 0);
+  EXPECT_FALSE(trajectory_.last_agreement(elsewhere, test::utime(time_), T_odom_base, atlas_));
+}
+
 TEST_F(TrajectoryTest, OfAVehicleThatHasStoodForLongEndsWithWhatOdometrySays) {
   drive(20, 1);
   drive(90 * 20, 0);

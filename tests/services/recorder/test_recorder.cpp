@@ -51,6 +51,16 @@ TEST_F(RecorderTest, WritesWhatIsSaidOnAnyChannelInItsOrder) {
   EXPECT_EQ(node.report().counters["messages"], 3);
 }
 
+TEST_F(RecorderTest, WritesOnWhenTheHostsClockIsSetBack) {
+  RecorderNode node(config_, bus_, kStart);
+  send(1, 1);
+  node.tick(kStart + 1'000'000);
+  EXPECT_EQ(heard(), (std::vector<int>{1}));
+  send(2, 2);
+  node.tick(kStart + 1'020'000 - 3'600'000'000);
+  EXPECT_EQ(heard(), (std::vector<int>{1, 2})) << "not an hour later";
+}
+
 TEST_F(RecorderTest, LeavesOutTheVotesUnlessToldOtherwise) {
   const auto record = [this] {
     RecorderNode node(config_, bus_, kStart);

@@ -1,8 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <curbstone/map_trajectory_t.hpp>
 #include <curbstone/tile_index_t.hpp>
 #include <curbstone/tile_request_t.hpp>
+#include <thread>
+#include <utility>
 
 #include "common/bus/local_bus.hpp"
 #include "common/tile_sync/drive_pages.hpp"
@@ -97,6 +101,79 @@ TEST_F(LostPoses, AProcessThatWasStoppedForSecondsAsksForThePosesOfThatTime) {
     EXPECT_EQ(poses[static_cast<std::size_t>(i)].utime, stamp(i));
     EXPECT_NEAR(poses[static_cast<std::size_t>(i)].T_map_base.translation().x(), 0.15 * i, 1e-5);
   }
+}
+
+TEST_F(LostPoses, TheDriveGoesOnWhenTheHostsClockIsSetBack) {
+  constexpr std::int64_t kHour = 3'600'000'000;
+  for (const std::int64_t by : {kHour, std::int64_t{1'000'000}}) {
+    begin();
+    send(0, 100);
+    for (int i = 100; i < 200; ++i) {
+      map_pose_t pose = pose_at(stamp(i), 0.15 * i);
+      pose.utime -= by;
+      bus_.publish("MAP_POSE", pose);
+    }
+    bus_.dispatch();
+    EXPECT_EQ(node_->report().counters["dropped.late"], 0) << by;
+    const auto poses = stored();
+    const auto last = std::max_element(poses.begin(), poses.end(),
+                                       [](const auto& a, const auto& b) { return a.revolution < b.revolution; });
+    EXPECT_EQ(last->revolution, 199) << by;
+    EXPECT_EQ(last->utime, stamp(199) - by);
+    if (by == kHour) {
+      EXPECT_EQ(poses.size(), 200U);
+    }
+    node_.reset();
+    bus_ = LocalBus();
+    fs::remove(config("map.db").map);
+  }
+}
+
+TEST_F(LostPoses, WhatIsDoneOnceInAWhileGoesOnWhenTheHostsClockIsSetBack) {
+  constexpr std::int64_t kHour = 3'600'000'000;
+  int indices = 0;
+  bus_.subscribe<tile_index_t>("TILE_INDEX", [&](const tile_index_t& m) { indices += m.owner == "semantic_map"; });
+  begin();
+  send(0, 100);
+  node_->tick(stamp(100));
+  bus_.dispatch();
+  const int before = std::exchange(indices, 0);
+  for (int i = 100; i < 160; ++i) {
+    map_pose_t pose = pose_at(stamp(i), 0.15 * i);
+    pose.utime -= kHour;
+    bus_.publish("MAP_POSE", pose);
+    bus_.dispatch();
+    node_->tick(stamp(i) - kHour);
+    bus_.dispatch();
+  }
+  EXPECT_GE(before, 1);
+  EXPECT_GE(indices, 2) << "in three seconds";
+  const auto in_file = [&] { return store::MapReader(config("map.db").map).trajectory().size(); };
+  for (int i = 160; i < 3000 && in_file() <= 100; ++i) {  // it is written beside, and as soon as the disk can
+    node_->tick(stamp(i) - kHour);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_GT(in_file(), 100U) << "they are on disk, too";
+}
+
+TEST_F(LostPoses, APoseThatANewerOneOvertookIsLate) {
+  begin();
+  send(0, 100);
+  send(98, 99);
+  EXPECT_EQ(node_->report().counters["dropped.late"], 1);
+}
+
+TEST_F(LostPoses, ALidarThatCountsAnewAtAnEarlierTimeIsFollowed) {
+  begin();
+  send(0, 100);
+  for (int i = 0; i < 100; ++i) {
+    map_pose_t pose = pose_at(stamp(i), 15 + 0.15 * i);
+    pose.utime -= 60'000'000;  // with its revolutions from 0 on
+    bus_.publish("MAP_POSE", pose);
+  }
+  bus_.dispatch();
+  EXPECT_EQ(node_->report().counters["dropped.late"], 0);
+  EXPECT_EQ(stored().size(), 200U);
 }
 
 TEST_F(LostPoses, APoseThatIsOnlyAGuessIsNoneOfTheDrive) {

@@ -2,6 +2,10 @@
 
 #include <stdlib.h>
 
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <curbstone/lidar_points_t.hpp>
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
@@ -44,25 +48,37 @@ class OwnFolder {
   std::string path_;
 };
 
+std::int32_t revolution_of(const LogEvent& event) {
+  lidar_points_t points;
+  return points.decode(event.bytes.data(), 0, static_cast<int>(event.bytes.size())) > 0 ? points.revolution : 0;
+}
+
 bool is_sensor(const std::string& channel) {
   return channel == "LIDAR_POINTS" || channel == "IMU" || channel == "WHEELS";
 }
 
-void drive_with(const TrueDrive& drive, const catalogue::Fault& fault, replay::VehicleLine& vehicle, Witness& witness) {
+/// Drives, and returns the revolution in which the fault began.
+std::int32_t drive_with(const TrueDrive& drive, const catalogue::Fault& fault, replay::VehicleLine& vehicle,
+                        Witness& witness) {
   constexpr std::int64_t kLatest = 4'102'444'800'000'000;  // us: the year 2100; later times are refused, as in a replay
   LogReader log(drive.log);
   catalogue::FaultyMessages messages(fault.make(), fault.from);
   MessageOrder order;
+  std::optional<std::int64_t> start;
+  std::int32_t revolution = 0;
+  double t = 0, looked = 0;
   const auto deliver = [&](LogEvent event) {
     const std::int64_t time = message_time(event);
-    if (time > 0 && time <= kLatest) vehicle.deliver(order.time(), std::move(event.channel), std::move(event.bytes));
+    if (time <= 0 || time > kLatest) return;
+    // The nodes are told the time by the host's clock, as the services are.
+    const std::int64_t set_by = t >= fault.from ? fault.clock_set_by : 0;
+    vehicle.deliver(order.time() + set_by, std::move(event.channel), std::move(event.bytes));
   };
-  std::optional<std::int64_t> start;
-  double t = 0, looked = 0;
   while (auto event = log.next()) {
     if (!is_sensor(event->channel)) continue;
     if (!start) start = event->log_utime;
     t = static_cast<double>(event->log_utime - *start) * 1e-6;
+    if (t < fault.from && event->channel == "LIDAR_POINTS") revolution = revolution_of(*event);
     if (messages.apply(t, *event)) order.push(std::move(*event));
     while (auto ready = order.pop(false)) deliver(std::move(*ready));
     if (t < looked + kLookEvery) continue;
@@ -73,12 +89,26 @@ void drive_with(const TrueDrive& drive, const catalogue::Fault& fault, replay::V
   while (auto ready = order.pop(true)) deliver(std::move(*ready));
   witness.look(t, vehicle.stages());
   vehicle.finish();
+  return revolution;
 }
 
-MapFigures figures_of(const std::string& file, const evaluate::truth::Truth& truth) {
-  const semantic_map::store::MapReader map(file);
+/// The path by the clock of the truth, which nobody sets: `set_by`, us, in `revolution`. Its neighbours have stamps of
+/// both clocks and are left out.
+evaluate::truth::Trajectory path_of(const semantic_map::store::MapReader& map, std::int64_t set_by,
+                                    std::int32_t revolution) {
   evaluate::truth::Trajectory path;
-  for (const auto& pose : map.trajectory()) path.push_back({pose.utime, pose.T_map_base});
+  for (const auto& pose : map.trajectory()) {
+    if (set_by != 0 && std::abs(pose.revolution - revolution) <= 1) continue;
+    path.push_back({pose.utime - (pose.revolution > revolution ? set_by : 0), pose.T_map_base});
+  }
+  std::sort(path.begin(), path.end(), [](const auto& a, const auto& b) { return a.utime < b.utime; });
+  return path;
+}
+
+MapFigures figures_of(const std::string& file, const evaluate::truth::Truth& truth, std::int64_t set_by,
+                      std::int32_t revolution) {
+  const semantic_map::store::MapReader map(file);
+  const evaluate::truth::Trajectory path = path_of(map, set_by, revolution);
   const evaluate::Evaluation evaluation = evaluate::evaluate(map.tiles(), map.curbs(), path, truth, kRadius);
   MapFigures figures{.ate = evaluation.trajectory.ate_m};
   if (evaluation.curbs) {
@@ -108,11 +138,12 @@ Outcome try_fault(const TrueDrive& drive, const catalogue::Fault& fault, const s
   options.keep_earlier_drives = true;
   Outcome outcome;
   try {
+    std::int32_t revolution = 0;
     {
       replay::VehicleLine vehicle(options, {.threads = false, .everything = {}});
-      drive_with(drive, fault, vehicle, outcome.witness);
+      revolution = drive_with(drive, fault, vehicle, outcome.witness);
     }
-    outcome.map = figures_of(options.map_file, drive.truth);
+    outcome.map = figures_of(options.map_file, drive.truth, fault.clock_set_by, revolution);
   } catch (const std::exception& error) {
     outcome.failure = error.what();
   }

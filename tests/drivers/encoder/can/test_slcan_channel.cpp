@@ -53,6 +53,15 @@ TEST_F(SlcanChannelTest, ClosesSetsTheSpeedAndOpensEachInItsTurn) {
   EXPECT_EQ(openings_, 1);
 }
 
+TEST_F(SlcanChannelTest, OpensThoughTheHostsClockIsSetBackMeanwhile) {
+  constexpr std::int64_t kHour = 3'600'000'000;
+  wait(0);
+  wait(-kHour);
+  wait(100'000);
+  answer("\r\r");
+  EXPECT_TRUE(channel_.is_open());
+}
+
 TEST_F(SlcanChannelTest, FramesPassOnlyWhileItIsOpen) {
   channel_.send(CanFrame::make(0x601, {1}));
   answer("t1811AA\r");

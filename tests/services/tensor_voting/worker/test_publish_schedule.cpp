@@ -27,6 +27,21 @@ TEST(PublishScheduleTest, TheNearestOfThoseWithNewsGoesFirst) {
   EXPECT_EQ(s.any(), std::nullopt) << "none waits for its interval either";
 }
 
+TEST(PublishScheduleTest, TilesGoOutWhenTheHostsClockIsSetBackToo) {
+  constexpr std::int64_t kBefore = kNow - 900'000 * kMs;
+  PublishSchedule s = schedule();
+  s.published(kHere, 100, kNow);
+  s.changed(kThere, 100, kNow, kNow);
+  EXPECT_EQ(s.next(kBefore, 0, 0), kThere) << "though it changed in the future";
+  s.published(kThere, 100, kBefore);
+  s.changed(kHere, 200, kBefore, kBefore);
+  EXPECT_EQ(s.next(kBefore, 0, 0), kHere) << "though it was sent in the future";
+  s.published(kHere, 200, kBefore);
+  s.changed(kHere, 300, kBefore, kBefore);
+  EXPECT_EQ(s.next(kBefore, 0, 0), std::nullopt) << "its interval counts from then";
+  EXPECT_EQ(s.next(kBefore + 200 * kMs, 0, 0), kHere);
+}
+
 TEST(PublishScheduleTest, TheLargestShareOfNewsGoesFirst) {
   PublishSchedule s = schedule();
   const TileKey beside{0, 1};

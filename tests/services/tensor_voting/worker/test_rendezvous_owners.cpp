@@ -56,6 +56,16 @@ TEST(RendezvousOwners, OnlyTheTilesOfWhoComesOrGoesMove) {
   EXPECT_EQ(owned(workers), with_a);
 }
 
+TEST(RendezvousOwners, WhoWasHeardInTheFutureIsGoneOrHeardAgain) {
+  RendezvousOwners workers("b", 2 * kSecond);
+  workers.on_heartbeat("a", 3600 * kSecond);
+  workers.on_heartbeat("c", 3600 * kSecond);
+  EXPECT_TRUE(workers.update(3600 * kSecond));
+  workers.on_heartbeat("a", 0);  // the host's clock was set back
+  EXPECT_TRUE(workers.update(kSecond));
+  EXPECT_EQ(workers.count(), 2U) << "c is dead";
+}
+
 TEST(RendezvousOwners, OneselfIsAlwaysAliveAndStrangersAreBounded) {
   RendezvousOwners workers("a", kSecond);
   workers.on_heartbeat("a", 0);

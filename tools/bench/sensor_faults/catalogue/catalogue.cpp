@@ -3,6 +3,7 @@
 #include <regex>
 #include <stdexcept>
 
+#include "tools/bench/sensor_faults/catalogue/host_clock_faults.hpp"
 #include "tools/bench/sensor_faults/catalogue/imu_faults.hpp"
 #include "tools/bench/sensor_faults/catalogue/lidar_faults.hpp"
 #include "tools/bench/sensor_faults/catalogue/surroundings_faults.hpp"
@@ -14,7 +15,7 @@ namespace curbstone::bench::sensor_faults::catalogue {
 std::vector<Fault> all_faults() {
   std::vector<Fault> all;
   for (auto* faults : {vehicle_file_faults, wheel_faults, imu_faults, lidar_mount_faults, lidar_stamp_faults,
-                       lidar_return_faults, lidar_sight_faults, surroundings_faults}) {
+                       lidar_return_faults, lidar_sight_faults, host_clock_faults, surroundings_faults}) {
     for (Fault& fault : faults()) all.push_back(std::move(fault));
   }
   return all;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <curbstone/imu_t.hpp>
 #include <curbstone/lidar_points_t.hpp>
 #include <curbstone/wheels_t.hpp>
@@ -28,14 +29,15 @@ constexpr double kFromTheBeginning = 0.0;  ///< s: it is mounted, wired or confi
 
 /// A fault of a sensor, of its mounting or of what is around the vehicle.
 struct Fault {
-  std::string sensor;  ///< "wheels", "IMU", "LiDAR", "surroundings", "vehicle file"
+  std::string sensor;  ///< "wheels", "IMU", "LiDAR", "host clock", "surroundings", "vehicle file"
   std::string name;    ///< a few words, unique
   std::string words;   ///< what happens, in a line
   double from = 0;     ///< s of the drive
   /// The changes, with their state and random numbers as at the beginning: each call gives the same.
   std::function<Changes()> make = [] { return Changes{}; };
   std::vector<std::string>
-      settings{};  ///< SECTION.KEY=VALUE: what the vehicle's file says wrongly, during all of the drive
+      settings{};                 ///< SECTION.KEY=VALUE: what the vehicle's file says wrongly, during all of the drive
+  std::int64_t clock_set_by = 0;  ///< us that all changed stamps are later, as the host's clock was set
 };
 
 /// A Change from a function of (double t, Message&) that returns bool, or nothing if every message is sent.

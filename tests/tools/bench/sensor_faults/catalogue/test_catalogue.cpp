@@ -55,7 +55,7 @@ std::vector<std::vector<std::uint8_t>> sent(const Fault& fault, double first_t) 
 
 TEST(SensorFaultCatalogue, NamesAreUniqueAndSaySomething) {
   std::set<std::string> names;
-  const std::set<std::string> sensors = {"vehicle file", "wheels", "IMU", "LiDAR", "surroundings"};
+  const std::set<std::string> sensors = {"vehicle file", "wheels", "IMU", "LiDAR", "host clock", "surroundings"};
   for (const Fault& fault : all_faults()) {
     EXPECT_TRUE(names.insert(fault.name).second) << fault.name;
     EXPECT_TRUE(sensors.contains(fault.sensor)) << fault.name;
