@@ -14,9 +14,9 @@ constexpr int kCoarse = 36;  // directions all around
 constexpr double kCoarseStep = 2 * std::numbers::pi / kCoarse;
 constexpr int kFine = 8;  // on each side of the best of those
 constexpr double kFineStep = kCoarseStep / kFine;
-constexpr double kOtherThings = 0.7;  // residual beyond which the scans show different things
-constexpr double kMaxSpread = 0.01;   // rad, half of the middle half of the pairs
-constexpr std::size_t kKept = 5;      // pairs
+constexpr double kOtherScene = 0.7;     // residual beyond which the scans show different things
+constexpr double kMaxYawSpread = 0.01;  // rad, half of the middle half of the pairs
+constexpr std::size_t kKept = 5;        // pairs
 
 }  // namespace
 
@@ -32,7 +32,7 @@ std::optional<double> YawAtStart::add(std::int64_t utime, const std::vector<scan
     if (measured_.size() > kKept) measured_.pop_front();
   }
   reference_.emplace(Reference{utime, T_odom_base, {points, Pose::Identity(), lidar_}});
-  const auto yaw = consistent_median({measured_.begin(), measured_.end()}, kMaxSpread, kPairs);
+  const auto yaw = consistent_median({measured_.begin(), measured_.end()}, kMaxYawSpread, kPairs);
   is_over_ = yaw || way_ > kLongest;
   if (!is_over_) return std::nullopt;
   reference_.reset();
@@ -64,7 +64,7 @@ std::optional<double> YawAtStart::measure(const std::vector<scan::LidarPoint>& p
   std::array<double, 2 * kFine + 1> residuals{};
   for (std::size_t i = 0; i < residuals.size(); ++i)
     residuals[i] = residual(points, T_reference_base, best + (static_cast<double>(i) - kFine) * kFineStep).value_or(1);
-  const auto finest = lowest(residuals, kOtherThings);
+  const auto finest = lowest(residuals, kOtherScene);
   if (!finest) return std::nullopt;
   return std::remainder(best + (*finest - kFine) * kFineStep, 2 * std::numbers::pi);
 }
