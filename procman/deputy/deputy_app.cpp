@@ -301,14 +301,12 @@ void DeputyApp::on_ended(const process::CommandState& state, std::int64_t lived)
   keeper_.note(id, "-- ended: " + how);
   heartbeats_.end(id);
   alarms_.ended(state, how, steady_clock());
-
   int& short_runs = short_runs_[id];
   short_runs = lived < kShortLife && state.respawn_at != 0 ? short_runs + 1 : 0;
   if (short_runs < kCrashLoop) {
     std::string what = fmt::format("{} ended: {}", id, how);
-    if (state.hung)
-      what += "; it hung and is replaced";
-    else if (state.killed)
+    if (state.hung) what += "; it hung and is replaced";
+    if (state.killed && !state.hung)
       what += fmt::format("; it was killed: it did not stop within {} s", state.command.stop_time_allowed);
     if (state.refused) what += "; wrong configuration or options: it is not started again until ordered";
     log_line(what);
