@@ -154,25 +154,28 @@ tile::MarkingLine line_of(std::vector<const MarkingPiece*> bars, const Crossing&
 /// Disjoint sets of pieces.
 class Groups {
  public:
-  explicit Groups(std::size_t size) : group_(size) { std::iota(group_.begin(), group_.end(), 0); }
+  explicit Groups(std::size_t size) : group_(size), size_(size, 1) { std::iota(group_.begin(), group_.end(), 0); }
   [[nodiscard]] std::size_t first_of(std::size_t i) const {
     while (group_[i] != i) i = group_[i];
     return i;
   }
   void join(std::size_t i, std::size_t j) {
-    const std::size_t a = first_of(i);
-    const std::size_t b = first_of(j);
-    group_[std::max(a, b)] = std::min(a, b);
+    const auto [first, other] = std::minmax({first_of(i), first_of(j)});
+    if (first == other) return;
+    group_[other] = first;
+    size_[first] += size_[other];
   }
+  /// Whether it is the first of a group of two or more.
+  [[nodiscard]] bool leads(std::size_t i) const { return group_[i] == i && size_[i] > 1; }
   [[nodiscard]] std::vector<std::size_t> of(std::size_t i, const std::vector<std::size_t>& all) const {
     std::vector<std::size_t> members;
     std::copy_if(all.begin(), all.end(), std::back_inserter(members),
-                 [&](std::size_t j) { return first_of(j) == first_of(i); });
+                 [&, first = first_of(i)](std::size_t j) { return first_of(j) == first; });
     return members;
   }
 
  private:
-  std::vector<std::size_t> group_;
+  std::vector<std::size_t> group_, size_;  // size_: of the group that it leads
 };
 
 Crossing crossing_of(const std::vector<std::size_t>& members, const std::vector<MarkingPiece>& pieces) {
@@ -181,26 +184,25 @@ Crossing crossing_of(const std::vector<std::size_t>& members, const std::vector<
   return Crossing(bars);
 }
 
-/// Joins a bar, or a group of bars at the same pace, to a group that goes on there beyond a missed bar. The pace is
-/// that of the group's neighbours, so bars that all stand twice as far apart are not joined: dashes of lanes do.
-bool join_across_missed(const std::vector<std::size_t>& bars, const std::vector<MarkingPiece>& pieces, Groups& groups) {
-  for (const std::size_t first : bars) {
-    if (groups.first_of(first) != first) continue;
-    const std::vector<std::size_t> members = groups.of(first, bars);
-    const Crossing crossing = crossing_of(members, pieces);
-    if (crossing.apart == 0) continue;
-    for (const std::size_t j : bars) {
-      if (groups.first_of(j) == first) continue;
-      const bool is_next = std::any_of(members.begin(), members.end(), [&](std::size_t i) {
-        return are_side_by_side(pieces[i], pieces[j], 2 * crossing.apart - crossing.slack(),
-                                2 * crossing.apart + crossing.slack());
-      });
-      if (!is_next) continue;
-      const double apart = crossing_of(groups.of(j, bars), pieces).apart;
-      if (apart != 0 && !crossing.has_pace(apart)) continue;
-      groups.join(first, j);
-      return true;
-    }
+/// Joins a bar, or a group of bars at the same pace, to the group of `first` that goes on there beyond a missed bar.
+/// The pace is that of the group's neighbours, so bars that all stand twice as far apart are not joined: dashes of
+/// lanes do.
+bool join_across_missed(std::size_t first, const std::vector<std::size_t>& bars,
+                        const std::vector<MarkingPiece>& pieces, Groups& groups) {
+  const std::vector<std::size_t> members = groups.of(first, bars);
+  const Crossing crossing = crossing_of(members, pieces);
+  if (crossing.apart == 0) return false;
+  for (const std::size_t j : bars) {
+    if (groups.first_of(j) == first) continue;
+    const bool is_next = std::any_of(members.begin(), members.end(), [&](std::size_t i) {
+      return are_side_by_side(pieces[i], pieces[j], 2 * crossing.apart - crossing.slack(),
+                              2 * crossing.apart + crossing.slack());
+    });
+    if (!is_next) continue;
+    const double apart = crossing_of(groups.of(j, bars), pieces).apart;
+    if (apart != 0 && !crossing.has_pace(apart)) continue;
+    groups.join(first, j);
+    return true;
   }
   return false;
 }
@@ -218,13 +220,15 @@ std::vector<std::vector<std::size_t>> group_bars(const std::vector<MarkingPiece>
       if (are_side_by_side(pieces[i], pieces[j], kNearest, kFarthest)) groups.join(i, j);
     }
   }
-  while (join_across_missed(bars, pieces, groups)) {
+  for (bool goes_on = true; goes_on;) {
+    goes_on = false;
+    for (const std::size_t i : bars) {
+      while (groups.leads(i) && join_across_missed(i, bars, pieces, groups)) goes_on = true;
+    }
   }
   std::vector<std::vector<std::size_t>> found;
   for (const std::size_t i : bars) {
-    if (groups.first_of(i) != i) continue;
-    found.push_back(groups.of(i, bars));
-    if (found.back().size() < 2) found.pop_back();
+    if (groups.leads(i)) found.push_back(groups.of(i, bars));
   }
   return found;
 }
