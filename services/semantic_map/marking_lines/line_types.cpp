@@ -137,7 +137,9 @@ Dashes dashes_of(const PieceSequence& sequence, const std::vector<Gap>& gaps, co
 /// Whether the pieces of a stretch are dashes. The open gaps to what is beside it say so, too: a single dash has one on
 /// each side.
 bool is_dashed(const PieceSequence& sequence, const std::vector<Gap>& gaps, const Stretch& stretch) {
-  auto [dashes, open] = dashes_of(sequence, gaps, stretch);
+  const Dashes of_all = dashes_of(sequence, gaps, stretch);
+  const std::vector<double>& dashes = of_all.lengths;
+  std::vector<double> open = of_all.open;
   if (*std::max_element(dashes.begin(), dashes.end()) > kLongestDash) return false;
   const auto fit = [&](std::size_t fewest) {
     return open.size() >= fewest && median_of(dashes) <= kDashOfGap * median_of(open) && are_periodic(dashes, open);
