@@ -16,7 +16,7 @@ function(curbstone_room name)
     set(scope PUBLIC)
     target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:curbstone_options>)
     curbstone_precompile(${name})
-    # One batch a room, where CMake's own would be of 8 files: what a second one makes of Eigen again is a third of its time.
+    # One batch a room: with CMake's batches of 8 files, larger rooms instantiate Eigen's templates twice.
     set_target_properties(${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 0)
   else()
     add_library(${name} INTERFACE)

@@ -1,6 +1,7 @@
 #include "common/tile_sync/tile_sync.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <iterator>
 #include <tuple>
 #include <utility>
@@ -172,6 +173,7 @@ tile_request_t TileFollower::make_request(std::int64_t now, std::size_t max_tile
                                           double y) {
   std::vector<TileKey> due;
   for (const auto& [key, behind] : behind_) {
+    // `since` is another's stamp: a little ahead of this clock is no clock that was set back.
     if (std::abs(now - behind.since) >= patience && has_passed(1'000'000, behind.last_asked, now)) due.push_back(key);
   }
   std::sort(due.begin(), due.end(), [&](TileKey a, TileKey b) {

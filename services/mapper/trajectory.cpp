@@ -1,6 +1,7 @@
 #include "services/mapper/trajectory.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace curbstone::mapper {
 namespace {
@@ -19,7 +20,7 @@ void Trajectory::add(const TrajectoryPoint& point, const pose_graph::Atlas& atla
   const bool stands = !stored_poses_.empty() && stored_poses_.back().node == pose.node &&
                       (stored_poses_.back().position - pose.position).norm() < kPoseSpacing;
   if (!stands) stored_poses_.push_back(pose);
-  const bool set_back = !odometry_pairs_.empty() && point.utime < odometry_pairs_.back().pose.utime;
+  const bool set_back = point.utime < std::exchange(last_utime_, point.utime);
   was_set_back_ = was_set_back_ || set_back;
   if (!point.T_odom_base || set_back) odometry_pairs_.clear();
   if (!point.T_odom_base) return;

@@ -55,6 +55,7 @@ class Trajectory {
 
   std::vector<StoredPose> stored_poses_;     // one every few centimetres
   std::deque<OdometryPair> odometry_pairs_;  // of the last scans, all with odometry
+  std::int64_t last_utime_ = 0;              // us, of the last pose added
   bool was_set_back_ = false;                // the clock
 };
 

@@ -23,6 +23,15 @@ class TrajectoryTest : public ::testing::Test {
                       atlas_);
     }
   }
+  /// Drives on, then 5 m beside of where odometry is, and finds the vehicle where odometry has it.
+  std::optional<std::int64_t> agreed_before_going_astray() {
+    drive(20, 1);
+    const Pose T_odom_base = kMapOdom.inverse() * test::pose(x_, 0, 0, 0, 0, 0);
+    time_ += test::kPeriod;
+    trajectory_.add({test::utime(time_), ++revolution_, test::pose(x_, 5, 0, 0, 0, 0), atlas_.reference(), T_odom_base},
+                    atlas_);
+    return trajectory_.last_agreement(test::pose(x_, 0, 0, 0, 0, 0), test::utime(time_), T_odom_base, atlas_);
+  }
   /// That what the map has and what odometry said lead to the odom frame, as the map has it: `T_map_odom`.
   static void expect_odometry(const TrajectoryPoint& point, const Pose& T_map_odom = kMapOdom) {
     ASSERT_TRUE(point.T_odom_base) << point.utime;
@@ -68,9 +77,15 @@ TEST_F(TrajectoryTest, AfterTheClockWasSetBackNothingIsRolledBackAndOdometryIsKn
   ASSERT_EQ(points.size(), 80U);
   EXPECT_FALSE(points[39].T_odom_base) << "of another clock";
   for (std::size_t i = 41; i < 80; ++i) expect_odometry(points[i]);
-  const Pose elsewhere = test::pose(x_ + 5, 0, 0, 0, 0, 0);
-  const Pose T_odom_base = kMapOdom.inverse() * test::pose(x_, 0, 0, 0, 0, 0);
-  EXPECT_FALSE(trajectory_.last_agreement(elsewhere, test::utime(time_), T_odom_base, atlas_));
+  EXPECT_FALSE(agreed_before_going_astray());
+}
+
+TEST_F(TrajectoryTest, ThatTheClockWasSetBackIsSeenWithoutOdometryToo) {
+  drive(40, 1, false);
+  ASSERT_TRUE(agreed_before_going_astray());
+  time_ -= 3600;
+  drive(1, 1, false);
+  EXPECT_FALSE(agreed_before_going_astray());
 }
 
 TEST_F(TrajectoryTest, OfAVehicleThatHasStoodForLongEndsWithWhatOdometrySays) {
