@@ -51,7 +51,19 @@ TEST(SingleSender, LostLateAndDoubledMessagesAreTheSendersOwn) {
 
 TEST(SingleSender, JitteredStampsAreTheSendersOwn) {
   SingleSender channel;
+  // A millisecond a packet, one stamp for 50 of them, each tenth lost.
+  for (int i = 0; i < 1000; ++i) {
+    if (i % 10 == 7) continue;
+    EXPECT_TRUE(channel.accept(kBegin + i / 50 * 50'000, i)) << i;
+  }
+  channel = SingleSender();
   for (int i = 0; i < 1000; ++i) EXPECT_TRUE(channel.accept(kBegin + (i + (i % 3) * 3) * kPeriod, i)) << i;
+  EXPECT_FALSE(channel.two_send());
+}
+
+TEST(SingleSender, MessagesWithoutNumbersAreAllUsed) {
+  SingleSender channel;
+  for (int i = 0; i < 1000; ++i) EXPECT_TRUE(channel.accept(kBegin + i * kPeriod, 0)) << i;
   EXPECT_FALSE(channel.two_send());
 }
 
