@@ -100,7 +100,7 @@ void ImuNode::use(const device::ImuSample& sample, HostTime at) {
   last_sample_ = sample.received;
 
   if (sample.self_test_passed) self_test_failed_ = !*sample.self_test_passed;
-  verdict_ = plausibility_.judge(at.utime, sample.acceleration, sample.angular_rate);
+  verdict_ = plausibility_.judge(at.utime, sample.acceleration, sample.angular_rate, sample.fine_steps);
   imu_t message{};
   message.status = status_of(sample);
   const bool clips = (message.status & imu_t::CLIPPING) != 0;
@@ -192,6 +192,10 @@ ImuNode::HostTime ImuNode::to_host(std::int64_t device_time, std::int64_t receiv
 void ImuNode::on_link(std::int64_t now, bool up, const std::string& why) {
   if (up || link_fault_.empty()) counters_.add(up ? "link.reopened" : "link.lost");
   link_fault_ = up ? "" : why;
+  if (up) {  // another device may have been plugged in, with another clock
+    clock_ = ClockOffset();
+    clock_begun_ = false;
+  }
   device_->on_link(now, up);
 }
 

@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::int64_t kSecond = 1'000'000;  // us
 constexpr std::int64_t kPause = kSecond;     // us without a sample after which everything restarts
-constexpr int kMinEqual = 20;                // minimum number of equal samples: a slow device needs more time
+constexpr std::int64_t kFrozen = kSecond / 20;
+constexpr int kMinFrozen = 5;  // equal samples
 constexpr std::int64_t kAllAxes = 2 * kSecond;
 constexpr std::int64_t kTwoAxes = 3 * kSecond;
 constexpr std::int64_t kOneAxis = 10 * kSecond;
@@ -43,8 +44,8 @@ void Plausibility::Held::add(std::int64_t time, double now) {
   samples = std::min(samples + 1, kMinEqual);
 }
 
-bool Plausibility::Held::lasts(std::int64_t time, std::int64_t us) const {
-  return samples >= kMinEqual && time - since >= us;
+bool Plausibility::Held::lasts(std::int64_t time, std::int64_t us, int least) const {
+  return samples >= least && time - since >= us;
 }
 
 void Plausibility::begin(std::int64_t time) {
@@ -73,7 +74,7 @@ void Plausibility::end_second(std::int64_t time) {
 }
 
 Plausibility::Verdict Plausibility::judge(std::int64_t time, const std::array<double, 3>& acceleration,
-                                          const std::array<double, 3>& rate) {
+                                          const std::array<double, 3>& rate, bool fine_steps) {
   if (last_ == 0 || time < last_ || time - last_ > kPause) begin(time);
   last_ = time;
   if (time - second_ >= kSecond && samples_ > 0) end_second(time);
@@ -87,6 +88,7 @@ Plausibility::Verdict Plausibility::judge(std::int64_t time, const std::array<do
   ++samples_;
   for (std::size_t i = 0; i < 3; ++i)
     stuck_axes_[i] = std::abs(rate_[i].value) >= kNoBias && rate_[i].lasts(time, kTurning);
+  if (fine_steps && frozen(time)) return Verdict::kFrozen;
   if (accelerometer_stuck(time)) return Verdict::kStuckAccelerometer;
   if (gyro_stuck(time)) return Verdict::kStuckGyro;
   return gravity_ ? Verdict::kGood : Verdict::kNotGravity;
@@ -98,6 +100,11 @@ bool Plausibility::moves() const {
 
 bool Plausibility::all_last(const std::array<Held, 3>& axes, std::int64_t time, std::int64_t us) {
   return std::ranges::all_of(axes, [&](const Held& axis) { return axis.lasts(time, us); });
+}
+
+bool Plausibility::frozen(std::int64_t time) const {
+  const auto lasts = [&](const Held& axis) { return axis.lasts(time, kFrozen, kMinFrozen); };
+  return std::ranges::all_of(acceleration_, lasts) && std::ranges::all_of(rate_, lasts);
 }
 
 bool Plausibility::accelerometer_stuck(std::int64_t time) const {
@@ -115,6 +122,9 @@ bool Plausibility::gyro_stuck(std::int64_t time) const {
 
 Plausibility::Name Plausibility::name(Verdict verdict) {
   switch (verdict) {
+    case Verdict::kFrozen:
+      return {"withheld.frozen",
+              "the IMU repeats one sample: its values are those of before; its samples are withheld"};
     case Verdict::kStuckAccelerometer:
       return {"withheld.stuck_accelerometer",
               "the IMU's accelerometer is stuck: an axis shows the same value all the time; its samples are withheld"};

@@ -21,18 +21,23 @@ namespace curbstone::imu {
 ///   most 5): no vehicle keeps its turn to a hundredth for that long. The whole gyro is stuck if all axes are, or if
 ///   all are the same for 3 s in which the accelerometer shows motion. A rate at the end of the range is a constant
 ///   rate, too.
+/// - All six values of a device with fine steps (an MTi's float32 and fixed point) are never the same in two samples.
+/// It
+///   repeats one sample if they are for 50 ms and 5 samples.
 /// - The mean specific force over 3 s is between 0.8 and 1.45 g: less is a fall of 9 m, more is a horizontal
 ///   acceleration of 1.05 g, beyond what tyres hold.
 class Plausibility {
  public:
-  enum class Verdict { kGood, kStuckAccelerometer, kStuckGyro, kNotGravity };
+  enum class Verdict { kGood, kFrozen, kStuckAccelerometer, kStuckGyro, kNotGravity };
   struct Name {
     std::string_view counter;
     std::string_view fault;
   };
 
-  /// `time` of the sample; if it goes back or leaps by more than kPause, everything restarts.
-  Verdict judge(std::int64_t time, const std::array<double, 3>& acceleration, const std::array<double, 3>& rate);
+  /// `time` of the sample; if it goes back or leaps by more than kPause, everything restarts. `fine_steps`: no two
+  /// samples of this device are equal.
+  Verdict judge(std::int64_t time, const std::array<double, 3>& acceleration, const std::array<double, 3>& rate,
+                bool fine_steps = false);
   [[nodiscard]] static Name name(Verdict verdict);
   /// Axes of the gyro that are stuck as of the latest sample while the gyro as a whole is not: the others are good.
   [[nodiscard]] const std::array<bool, 3>& stuck_axes() const { return stuck_axes_; }
@@ -44,10 +49,13 @@ class Plausibility {
     std::int64_t since = 0;
     int samples = 0;
     void add(std::int64_t time, double now);
-    [[nodiscard]] bool lasts(std::int64_t time, std::int64_t us) const;
+    [[nodiscard]] bool lasts(std::int64_t time, std::int64_t us, int least = kMinEqual) const;
+    static constexpr int kMinEqual = 20;  // equal samples: a slow device needs more time
   };
   void begin(std::int64_t time);
   void end_second(std::int64_t time);
+  /// Whether all six values have been the same.
+  [[nodiscard]] bool frozen(std::int64_t time) const;
   /// Whether the accelerometer has shown motion for some seconds.
   [[nodiscard]] bool moves() const;
   [[nodiscard]] static bool all_last(const std::array<Held, 3>& axes, std::int64_t time, std::int64_t us);

@@ -24,6 +24,7 @@ struct ImuSample {
   bool force_clips = false;                          ///< an axis of the accelerometer is at the end of its range
   std::array<bool, 3> rate_clips{};                  ///< axes of the gyro at the end of their range
   std::optional<bool> self_test_passed;
+  bool fine_steps = false;  ///< its steps are far below its noise: no two samples are equal
 };
 
 /// Settings that all models share.

@@ -174,7 +174,9 @@ void WitDevice::watch_rate(std::int64_t now) {
 void WitDevice::on_link(std::int64_t now, bool up) {
   parser_.reset();
   group_ = {};
-  if (up) configurator_.start(now);
+  if (!up) return;
+  sample_time_ = {};  // another device may have been plugged in
+  configurator_.start(now);
 }
 
 Counters WitDevice::counters() const {

@@ -99,14 +99,13 @@ void MtConfigurator::send_command(std::int64_t now) {
 }
 
 void MtConfigurator::on_frame(std::int64_t now, const XbusFrame& frame) {
-  if (!settings_.enabled) return;
   if (!started_) start(now);
+  if (frame.is(Mid::kError)) return on_error(now, frame.data);
+  if (!settings_.enabled) return;
   if (frame.is(Mid::kWakeUp)) {  // answered within 0.5 s, or it starts to measure with its stored configuration
     counters_.add("device.restarts");
     send_(encode_xbus(Mid::kWakeUpAck));
     enter(Step::kGotoConfig, now);
-  } else if (frame.is(Mid::kError)) {
-    on_error(frame.data);
   } else if (step_ == Step::kGotoConfig && frame.is(Mid::kGotoConfigAck)) {
     unanswered_ = 0;
     enter(Step::kSetOutputs, now);
@@ -121,11 +120,15 @@ void MtConfigurator::on_frame(std::int64_t now, const XbusFrame& frame) {
   }
 }
 
-void MtConfigurator::on_error(std::span<const std::uint8_t> data) {
+void MtConfigurator::on_error(std::int64_t now, std::span<const std::uint8_t> data) {
   counters_.add("device.errors");
-  static constexpr std::array<const char*, 4> kNames = {"GotoConfig", "SetOutputConfiguration", "GotoMeasurement",
-                                                        "nothing that we sent"};
+  static constexpr std::array<const char*, 3> kNames = {"GotoConfig", "SetOutputConfiguration", "GotoMeasurement"};
   const std::uint8_t code = data.empty() ? std::uint8_t{0} : data[0];
+  if (step_ == Step::kMeasuring) {
+    error_ = fmt::format("the IMU reports error 0x{:02X}, {}", code, error_text(code));
+    error_at_ = now;
+    return;
+  }
   refusal_ = fmt::format("the IMU refuses {}: error 0x{:02X}, {}", kNames[static_cast<std::size_t>(step_)], code,
                          error_text(code));
 }
@@ -147,6 +150,7 @@ void MtConfigurator::check_outputs(std::span<const std::uint8_t> effective) {
 
 void MtConfigurator::tick(std::int64_t now) {
   if (!started_) return start(now);
+  if (now - error_at_ > kErrorRemembered || now < error_at_) error_.clear();
   if (!settings_.enabled) return;
   if (step_ == Step::kMeasuring) {
     if (now - last_usable_ <= settings_.patience) return;
@@ -164,6 +168,7 @@ void MtConfigurator::tick(std::int64_t now) {
 
 std::string MtConfigurator::fault() const {
   if (!refusal_.empty()) return refusal_;
+  if (!error_.empty()) return error_;
   if (unanswered_ > kMaxTries) return "the IMU does not answer: wrong device, wrong baud, or not connected";
   return mismatch_;
 }

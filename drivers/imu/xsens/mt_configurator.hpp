@@ -14,7 +14,7 @@ namespace curbstone::imu::xsens {
 /// Sets a device up and starts its measurement, and repeats this when it restarts or becomes silent. GotoConfig ->
 /// SetOutputConfiguration -> GotoMeasurement: each is repeated until it is acknowledged, without a limit. Pure: time
 /// and frames are arguments, commands go to `send`. All times in us. Source: Xsens MT Low Level Communication Protocol
-/// (MT0101P).
+/// (MT0101P). An error that the device reports while it measures is a fault for kErrorRemembered.
 ///
 /// Counts: device.commands, device.retries, device.restarts (WakeUp seen), device.reconfigured, device.errors.
 class MtConfigurator {
@@ -26,6 +26,8 @@ class MtConfigurator {
     bool orientation = true;
     std::int64_t patience = 1'000'000;  ///< us without a usable sample after which the device is set up again
   };
+
+  static constexpr std::int64_t kErrorRemembered = 10'000'000;  ///< us
 
   MtConfigurator(const Settings& settings, Send send) : settings_(settings), send_(std::move(send)) {}
 
@@ -47,7 +49,7 @@ class MtConfigurator {
   void enter(Step step, std::int64_t now);
   void send_command(std::int64_t now);
   void check_outputs(std::span<const std::uint8_t> effective);
-  void on_error(std::span<const std::uint8_t> data);
+  void on_error(std::int64_t now, std::span<const std::uint8_t> data);
 
   Settings settings_;
   Send send_;
@@ -58,6 +60,8 @@ class MtConfigurator {
   int tries_ = 0;                 // of the current command
   int unanswered_ = 0;            // commands since the last acknowledgement
   std::string refusal_;           // the device's latest error, until a set-up succeeds
+  std::string error_;             // the device's latest error while it measures
+  std::int64_t error_at_ = 0;     // us
   std::string mismatch_;          // how the outputs differ from the requested ones
   Counters counters_;
 };

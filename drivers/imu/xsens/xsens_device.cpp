@@ -34,12 +34,15 @@ void XsensDevice::on_frame(std::int64_t now, const XbusFrame& frame, const Handl
   if (!frame.is(Mid::kMtData2)) return;
   const MtData2 data = decode_mtdata2(frame.data, counters_);
   if (data.truncated) return;
+  if (data.sample_time_fine && data.delta_velocity) velocity_interval_.seen(*data.sample_time_fine);
+  if (data.sample_time_fine && data.delta_rotation) rotation_interval_.seen(*data.sample_time_fine);
   if (!(data.acceleration && data.angular_rate) && !(data.delta_velocity && data.delta_rotation)) {
     counters_.add("skipped.incomplete");
     if (data.packet_counter) packet_counter_.other(*data.packet_counter);
     return;
   }
   device::ImuSample sample;
+  sample.fine_steps = true;
   const auto bits = static_cast<std::int64_t>(frame.wire_size) * 10;  // 8N1: ten bits per byte
   sample.received = now - (settings_.uart ? bits * 1'000'000 / settings_.baud : 0);
   if (!judge(data, sample)) return;
@@ -57,17 +60,21 @@ void XsensDevice::on_frame(std::int64_t now, const XbusFrame& frame, const Handl
 }
 
 /// Increments are integrals of the device's fast inner samples, with coning and sculling compensated. Divided by the
-/// interval they are the means that an integration needs; nothing is lost to the device's output filter.
+/// own interval they are the means that an integration needs; nothing is lost to the device's output filter. If only
+/// some samples have them, the others would overlap with them: acceleration and rate of turn are used then, if present.
 bool XsensDevice::measure(const MtData2& data, device::ImuSample& sample) const {
-  const double interval = sample_time_.interval() * 1e-6;  // s
-  if (data.delta_velocity && data.delta_rotation && interval > 0) {
+  const double interval = sample_time_.interval();  // us
+  const auto velocity = velocity_interval_.samples(interval), rotation = rotation_interval_.samples(interval);
+  const bool known = data.delta_velocity && data.delta_rotation && velocity && rotation;
+  const bool complete = data.acceleration && data.angular_rate;
+  if (known && (!complete || (*velocity == 1 && *rotation == 1))) {
     sample.acceleration = *data.delta_velocity;
     sample.angular_rate = rotation_vector(*data.delta_rotation);
-    for (double& a : sample.acceleration) a /= interval;
-    for (double& w : sample.angular_rate) w /= interval;
+    for (double& a : sample.acceleration) a /= *velocity * interval * 1e-6;
+    for (double& w : sample.angular_rate) w /= *rotation * interval * 1e-6;
     return true;
   }
-  if (!data.acceleration || !data.angular_rate) return false;
+  if (!complete) return false;
   sample.acceleration = *data.acceleration;
   sample.angular_rate = *data.angular_rate;
   return true;
@@ -83,12 +90,7 @@ bool XsensDevice::judge(const MtData2& data, device::ImuSample& sample) {
     using Verdict = device::SampleTime::Verdict;
     const auto ahead = gap ? std::optional(gap->ahead) : std::nullopt;
     const auto at = sample_time_.next(*data.sample_time_fine, sample.received, ahead, gap ? gap->others : 0);
-    if (at.verdict == Verdict::kLate) {
-      const bool was_lost = packet_counter_.found(*counter);
-      counters_.add(was_lost ? "refused.late" : "refused.repeated");
-      if (was_lost) counters_.add("lost.packets", -1);  // it was not lost after all
-      return false;
-    }
+    if (at.verdict == Verdict::kLate) return judge_counter(*counter, *gap);
     if (at.verdict == Verdict::kRepeated || at.verdict == Verdict::kRefused) {
       counters_.add(at.verdict == Verdict::kRepeated ? "refused.repeated" : "refused.time");
       if (counter) packet_counter_.refused(*counter);
@@ -98,10 +100,20 @@ bool XsensDevice::judge(const MtData2& data, device::ImuSample& sample) {
     sample.time = at.time;
     sample.missing = at.missing;
     if (!gap || at.verdict == Verdict::kRestarted) lost = at.missing;
+  } else if (gap && gap->ahead <= 0) {
+    return judge_counter(*counter, *gap);
   }
   if (counter) packet_counter_.used(*counter);
   if (lost > 0) counters_.add("lost.packets", lost);
   return true;
+}
+
+/// A message whose counter is not after that of the latest sample.
+bool XsensDevice::judge_counter(std::uint16_t counter, const PacketCounter::Gap& gap) {
+  const bool was_lost = gap.ahead < 0 && packet_counter_.found(counter);
+  counters_.add(was_lost ? "refused.late" : "refused.repeated");
+  if (was_lost) counters_.add("lost.packets", -1);  // it was not lost after all
+  return false;
 }
 
 void XsensDevice::restart_clock() {
@@ -111,7 +123,12 @@ void XsensDevice::restart_clock() {
 
 void XsensDevice::on_link(std::int64_t now, bool up) {
   parser_.reset();
-  if (up) configurator_.start(now);
+  if (!up) return;
+  sample_time_ = {};  // another device may have been plugged in
+  packet_counter_.restart();
+  velocity_interval_.restart();
+  rotation_interval_.restart();
+  configurator_.start(now);
 }
 
 Counters XsensDevice::counters() const {

@@ -2,6 +2,7 @@
 
 #include "drivers/imu/device/imu_device.hpp"
 #include "drivers/imu/device/sample_time.hpp"
+#include "drivers/imu/xsens/increment_interval.hpp"
 #include "drivers/imu/xsens/mt_configurator.hpp"
 #include "drivers/imu/xsens/mtdata2.hpp"
 #include "drivers/imu/xsens/packet_counter.hpp"
@@ -11,12 +12,13 @@ namespace curbstone::imu::xsens {
 
 /// An Xsens MTi: Xbus frames with MTData2 messages. Its time is SampleTimeFine. Messages without inertial data (such as
 /// those of its GNSS receiver, with the time of the fix) affect neither clock nor sequence. Velocity and rotation
-/// increments are used instead of acceleration and rate of turn if present. A message whose items do not end at its end
-/// is refused: a frame that lost bytes and took others from the next frame has a valid checksum once in 256 times.
+/// increments are used instead of acceleration and rate of turn if each sample has them. A message whose items do not
+/// end at its end is refused: a frame that lost bytes and took others from the next frame has a valid checksum once in
+/// 256 times.
 ///
 /// Counts, in addition to those of XbusParser, decode_mtdata2() and MtConfigurator: skipped.incomplete (messages
 /// without inertial data), skipped.no_interval (increments before the sample interval is known), refused.time,
-/// refused.repeated (SampleTime), lost.packets.
+/// refused.repeated, refused.late (SampleTime, or the packet counter of a device that sends no time), lost.packets.
 class XsensDevice final : public device::ImuDevice {
  public:
   XsensDevice(const device::DeviceSettings& settings, Send send);
@@ -30,6 +32,7 @@ class XsensDevice final : public device::ImuDevice {
  private:
   void on_frame(std::int64_t now, const XbusFrame& frame, const Handler& handler);
   bool judge(const MtData2& data, device::ImuSample& sample);
+  bool judge_counter(std::uint16_t counter, const PacketCounter::Gap& gap);
   bool measure(const MtData2& data, device::ImuSample& sample) const;
   void restart_clock();
 
@@ -38,6 +41,7 @@ class XsensDevice final : public device::ImuDevice {
   MtConfigurator configurator_;
   device::SampleTime sample_time_;
   PacketCounter packet_counter_;
+  IncrementInterval velocity_interval_, rotation_interval_;
   bool restarted_ = false;  // since the previous sample
   Counters counters_;
 };

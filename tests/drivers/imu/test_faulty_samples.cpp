@@ -31,7 +31,7 @@ class FaultySamples : public ::testing::Test {
     simulate::devices::XsensSample sample;
     const double noise = now_ / 10'000 % 2 == 0 ? 1e-7 : 0;  // no sensor is still
     sample.acceleration = {0.1 + noise, -0.2 + noise, 9.8 - 9 * noise};
-    sample.angular_rate = {0.01 + noise, 0.02 + noise, 0.03 + noise};
+    sample.angular_rate = {0.01 + noise, 0.02 + noise, 0.03 + 1e-8 * static_cast<double>(now_ / 10'000 % 7)};
     sample.orientation = {1, 0, 0, 0};
     if (spoil) spoil(sample);
     EXPECT_TRUE(device_.measuring(now_));
