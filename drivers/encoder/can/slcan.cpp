@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <array>
+
 #include "drivers/encoder/can/hex.hpp"
 
 namespace curbstone::encoder::can {
@@ -36,6 +38,21 @@ std::optional<CanFrame> parse_slcan_frame(std::string_view line) {
   if (!parse_hex_bytes(line.substr(0, digits), frame.data)) return {};
   if (line.size() > digits && !parse_hex(line.substr(digits))) return {};
   return frame;
+}
+
+bool is_slcan_fd(std::string_view line) {
+  static constexpr std::array<std::size_t, 16> kSizes = {0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64};
+  if (line.empty() || std::string_view("dDbB").find(line[0]) == std::string_view::npos) return false;
+  const bool extended = line[0] == 'D' || line[0] == 'B';
+  const std::size_t id_digits = extended ? 8 : 3;
+  if (line.size() < 1 + id_digits + 1) return false;
+  const auto id = parse_hex(line.substr(1, id_digits));
+  const auto code = parse_hex(line.substr(1 + id_digits, 1));
+  if (!id || !code || *id > (extended ? kMaxExtendedId : kMaxStandardId)) return false;
+  line.remove_prefix(1 + id_digits + 1);
+  const std::size_t digits = 2 * kSizes[*code];
+  std::array<std::uint8_t, 64 + kTimestampDigits / 2> data;
+  return (line.size() == digits || line.size() == digits + kTimestampDigits) && parse_hex_bytes(line, data);
 }
 
 std::vector<std::uint8_t> encode_slcan(const CanFrame& frame) {
@@ -80,6 +97,7 @@ void SlcanParser::on_line(const Handlers& handlers) {
     if (flags) return;
   }
   if (line_[0] == 'V' || line_[0] == 'N') return;
+  if (!overlong_ && is_slcan_fd(line_)) return counters_.add("ignored.slcan_fd");
   auto frame = parse_slcan_frame(line_);
   if (overlong_ || !frame) {
     const char* cause = overlong_ ? "refused.slcan_overlong" : "refused.slcan_line";

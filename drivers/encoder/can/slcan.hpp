@@ -30,13 +30,15 @@ enum SlcanFlag : std::uint8_t {
 
 /// Parses a line without its CR. Four more digits, a time stamp, are ignored. Empty if the line is not a frame.
 [[nodiscard]] std::optional<CanFrame> parse_slcan_frame(std::string_view line);
+/// Whether a line without its CR is a frame of CAN FD.
+[[nodiscard]] bool is_slcan_fd(std::string_view line);
 [[nodiscard]] std::vector<std::uint8_t> encode_slcan(const CanFrame& frame);
 
 /// Splits the adapter's byte stream into frames and answers. The protocol has no checksum: a line that is not exactly a
 /// frame is refused. A complete frame at the end of a damaged line is still read, because its first letter is not a
 /// hexadecimal digit. Holds at most kMaxLine bytes. Pure.
 ///
-/// Counts: slcan.frames, refused.slcan_line (malformed), refused.slcan_overlong.
+/// Counts: slcan.frames, ignored.slcan_fd (CAN FD), refused.slcan_line (malformed), refused.slcan_overlong.
 class SlcanParser {
  public:
   enum class Answer { kOk, kRefused };
@@ -46,7 +48,7 @@ class SlcanParser {
     std::function<void(std::uint8_t)> on_flags = {};         ///< the answer to "F"
     std::function<void(const char* cause)> on_refused = {};  ///< the counter's name
   };
-  static constexpr std::size_t kMaxLine = 64;
+  static constexpr std::size_t kMaxLine = 160;  ///< a frame of CAN FD has 146 and a time stamp
 
   void parse(std::span<const std::uint8_t> bytes, const Handlers& handlers);
   void reset() { line_.clear(); }

@@ -85,6 +85,25 @@ TEST(SlcanParserTest, AnEndlessLineIsBoundedAndTheNextOneIsRead) {
   EXPECT_EQ(parser.counters()["refused.slcan_overlong"], 1);
 }
 
+/// Of an adapter for CAN FD, on a bus with other nodes that use it.
+TEST(SlcanParserTest, FramesOfCanFdAreIgnoredAndNotRefused) {
+  SlcanParser parser;
+  Collector got;
+  const std::string data(128, 'A');
+  for (const char* line :
+       {"d1812AABB", "b1819AABBCCDDEEFF001122334455", "D000001810", "B0000018191122334455667788AABBCCDD",
+        "d18190102030405060708090A0B0C1F2E"})  // the last one with a time stamp
+    parser.parse(test::from_text(std::string(line) + "\r"), got.handlers());
+  parser.parse(test::from_text("b181F" + data + "\rB00000181F" + data + "1F2E\rt1811AA\r"), got.handlers());
+  EXPECT_EQ(parser.counters()["ignored.slcan_fd"], 7);
+  EXPECT_EQ(parser.counters()["refused.slcan_line"], 0);
+  EXPECT_EQ(parser.counters()["refused.slcan_overlong"], 0);
+  EXPECT_THAT(got.frames, ::testing::ElementsAre(frame(0x181, false, false, {0xAA})));
+  for (const char* line : {"d1812AAB", "d8122AABB", "b181GAA", "bad", "d", "D1812AABB"})
+    parser.parse(test::from_text(std::string(line) + "\r"), got.handlers());
+  EXPECT_EQ(parser.counters()["refused.slcan_line"], 6);
+}
+
 TEST(SlcanParserTest, SurvivesNoiseAndReadsEveryGoodLineAfterACarriageReturn) {
   std::mt19937 random(11);
   SlcanParser parser;
