@@ -121,6 +121,7 @@ std::vector<WheelDrive::Write> WheelDrive::setup_sequence() const {
 void WheelDrive::start(std::int64_t now) {
   began_ = now;
   last_heartbeat_ = 0;
+  status_ = {};  // it may be another drive, or have been switched off and on
   restart(now);
 }
 
@@ -212,7 +213,7 @@ void WheelDrive::on_frame(std::int64_t receive_utime, const can::CanFrame& frame
 void WheelDrive::on_heartbeat(std::int64_t now, const can::CanFrame& frame) {
   if (frame.size != 1) return counters_.add("refused.length");
   const auto state = static_cast<NmtState>(frame.data[0] & 0x7F);
-  last_heartbeat_ = now;
+  last_heartbeat_ = state == NmtState::kBootUp ? 0 : now;  // a boot-up promises no heartbeats
   nmt_state_ = state;
   if (state == NmtState::kBootUp) {  // the set-up is lost
     counters_.add("drive.boots");

@@ -57,7 +57,7 @@ class WheelDrive {
 
   WheelDrive(const Settings& settings, Handlers handlers);
 
-  /// (Re)starts from the beginning, when the link came up.
+  /// (Re)starts from the beginning, when the link came up: what the drive reported before is forgotten.
   void start(std::int64_t now);
   void on_frame(std::int64_t receive_utime, const can::CanFrame& frame);
   void tick(std::int64_t now);

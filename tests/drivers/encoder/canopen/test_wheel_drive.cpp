@@ -196,6 +196,27 @@ TEST_F(ListeningTest, AHeartbeatThatStopsIsAFaultOneThatNeverCameIsNot) {
   EXPECT_THAT(drive_.faults(), IsEmpty());
 }
 
+/// A boot-up says that the drive was switched on, and nothing of heartbeats.
+TEST_F(ListeningTest, ABootUpOfADriveWithoutHeartbeatsIsNoneThatStopped) {
+  wait(5'000'000, true, false);
+  heartbeat(0x00);
+  wait(10'000'000, true, false);
+  EXPECT_THAT(drive_.faults(), IsEmpty());
+}
+
+/// It was switched off and on while nobody heard it, or it is another one.
+TEST_F(ListeningTest, AnEmergencyOfBeforeTheLinkWasLostIsNoneOfNow) {
+  wait(1'000'000);
+  receive(can::CanFrame::make(0x081, {0x10, 0x32, 0x04, 0, 0, 0, 0, 0}));
+  now_ += 60'000'000;
+  drive_.start(now_);
+  wait(5'000'000);
+  EXPECT_THAT(drive_.faults(), IsEmpty());
+  EXPECT_TRUE(drive_.status().enabled(now_));
+  status(0xA8);
+  EXPECT_THAT(drive_.faults(), Contains("drive, left wheel: alarm (status word 00A8)")) << "if it lasts this tells";
+}
+
 TEST_F(ListeningTest, ADriveThatAnotherMasterHasStoppedIsAFault) {
   wait(2'000'000);
   heartbeat(0x7F);
