@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 #include "common/time/microseconds.hpp"
@@ -43,6 +45,16 @@ std::optional<signals::WheelSignals> signals_of(const EncoderConfig& config) {
   };
   const auto left = parse("left", config.signals.left);
   const auto right = parse("right", config.signals.right);
+  const double most = config.max_speed / (2 * std::numbers::pi) * config.counts_per_revolution * config.period * 1e-3;
+  for (const auto& [key, signal, text] :
+       {std::tuple{"left", &left, &config.signals.left}, std::tuple{"right", &right, &config.signals.right}}) {
+    if (config.signals.kind == SignalKind::kCounts && most >= signal->half_range()) {
+      throw std::runtime_error(
+          fmt::format("encoder.signals.{}: \"{}\": a wheel at max_speed makes {:.0f} counts in a period, which {} bits "
+                      "cannot tell from the way back: set max_speed to that of the vehicle",
+                      key, *text, most, signal->length));
+    }
+  }
   if (left.overlaps(right)) {
     throw std::runtime_error(fmt::format("encoder.signals.right: \"{}\": it has bits of encoder.signals.left, \"{}\"",
                                          config.signals.right, config.signals.left));
@@ -147,7 +159,9 @@ void EncoderNode::on_signals(std::int64_t receive_utime, const can::CanFrame& fr
   if (!values) return;
   // No message reports that the counting node has lost power: after a silence it may count from 0. The first sample
   // then has no speed.
-  const bool first = last_received_ == 0 || receive_utime - last_received_ > microseconds(config_.silence);
+  const std::int64_t gap = receive_utime - last_received_;
+  const bool replugged = std::exchange(replugged_, false);
+  const bool first = last_received_ == 0 || gap > microseconds(config_.silence) || replugged || may_have_wrapped(gap);
   if (config_.signals.kind == SignalKind::kSpeeds) {
     if (first) speedometer_.restart();
     return on_sample(
@@ -155,12 +169,18 @@ void EncoderNode::on_signals(std::int64_t receive_utime, const can::CanFrame& fr
         [this, speeds = values->values](double elapsed) { return speedometer_.update(speeds, elapsed); });
   }
   if (!first) return on_counts(receive_utime, values->counts);
-  if (last_received_ != 0) counters_.add("counts_restarted");
+  if (last_received_ != 0 && !replugged) counters_.add("counts_restarted");
   drop_held();
   odometer_.restart();
   clock_.restart();
   (void)odometer_.update(values->counts, 0);
   last_received_ = last_stamped_ = receive_utime;
+}
+
+/// Whether a counter may have gone half around since the previous frame, `gap` us ago: frames were lost, or are late.
+bool EncoderNode::may_have_wrapped(std::int64_t gap) const {
+  if (config_.signals.kind != SignalKind::kCounts || 2 * gap <= 3 * clock_.period()) return false;
+  return odometer_.most_turned(static_cast<double>(gap) * 1e-6) >= signals_->half_range();
 }
 
 void EncoderNode::on_sample(std::int64_t receive_utime, PeriodClock::Evidence evidence, Update update) {
@@ -242,7 +262,13 @@ void EncoderNode::finish() {
 }
 
 void EncoderNode::on_link(std::int64_t now, bool up, const std::string& why) {
-  if (up && counters_["link.lost"] > 0) counters_.add("link.reopened");
+  const bool reopened = up && counters_["link.lost"] > 0;
+  if (reopened) counters_.add("link.reopened");
+  if (reopened && !link_fault_.empty()) {  // another drive may have been plugged in
+    counters_.add("counts_restarted");
+    restart_counting();
+    replugged_ = true;
+  }
   if (!up && link_fault_.empty() && counters_["frames"] > 0) counters_.add("link.lost");
   link_fault_ = up ? "" : why;
   if (up && !signals_) drive_.start(now);
@@ -292,7 +318,7 @@ NodeReport EncoderNode::report() const {
         "two nodes send positions as one, none is used: {}",
         signals_ ? "two senders of one CAN id?" : fmt::format("another drive with CAN node id {}?", config_.node)));
   }
-  add_wheel_faults(report, drive_.status().faults);
+  if (link_fault_.empty()) add_wheel_faults(report, drive_.status().faults);
   if (clock_.period() != std::int64_t{config_.period} * 1000) {
     report.faults.push_back(fmt::format("the drive sends every {:.1f} ms, {} ms was asked for: check event_timer_unit",
                                         static_cast<double>(clock_.period()) * 1e-3, config_.period));

@@ -76,6 +76,7 @@ class EncoderNode final : public Node {
     Arrived arrived;
     PeriodClock::Evidence evidence;
   };
+  [[nodiscard]] bool may_have_wrapped(std::int64_t gap) const;
   void on_sample(std::int64_t receive_utime, PeriodClock::Evidence evidence, Update update);
   void stamp(Arrived arrived, const PeriodClock::Evidence& evidence);
   void release_held();
@@ -104,6 +105,7 @@ class EncoderNode final : public Node {
   std::int64_t now_ = 0;
   std::int64_t last_frame_ = 0;  // received
   std::string link_fault_;
+  bool replugged_ = false;  // no signal since the link was reopened
   RefusalShare share_;
   const char* refusal_ = nullptr;  // why the current frame was refused
   std::function<void(NodeReport&)> add_report_;

@@ -136,6 +136,10 @@ std::optional<int> WheelCounter::likely_periods(const Raw& raw, int least, int m
   return best;
 }
 
+double WheelCounter::most_turned(double elapsed) const {
+  return std::max(std::abs(rate_[0]), std::abs(rate_[1])) * elapsed + accelerated(elapsed);
+}
+
 bool WheelCounter::turns_fast(double period) const {
   return std::max(std::abs(rate_[0]), std::abs(rate_[1])) * period >= kTooFast;
 }

@@ -47,6 +47,9 @@ class WheelCounter {
   /// Whether the wheels can have turned that far within `elapsed` s since the last update() or pass() call.
   [[nodiscard]] bool is_possible(const Raw& raw, double elapsed) const;
 
+  /// Most counts that a wheel can turn within `elapsed` s from its present speed.
+  [[nodiscard]] double most_turned(double elapsed) const;
+
   /// Whether the wheels turned too fast to stop within `period` s.
   [[nodiscard]] bool turns_fast(double period) const;
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -31,6 +32,8 @@ struct CanSignal {
   /// Sign-extended to 64 bits; nothing if the frame is too short or remote. The frame must have the signal's id.
   [[nodiscard]] std::optional<std::int64_t> raw(const can::CanFrame& frame) const;
   [[nodiscard]] double value(std::int64_t raw) const;
+  /// Half of the number of its values: a counter that goes further seems to have gone back.
+  [[nodiscard]] double half_range() const { return std::ldexp(1.0, length - 1); }
   /// Whether both signals share a bit of the same frame.
   [[nodiscard]] bool overlaps(const CanSignal& other) const;
 };

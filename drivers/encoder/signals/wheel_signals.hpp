@@ -33,6 +33,8 @@ class WheelSignals {
   /// Returns both values with the frame that completes them. `time` of receipt, us.
   std::optional<Values> on_frame(std::int64_t time, const can::CanFrame& frame);
 
+  /// That of the narrower counter, see CanSignal.
+  [[nodiscard]] double half_range() const { return std::min(signals_[0].half_range(), signals_[1].half_range()); }
   /// The ids that a source must pass on; bit 31 marks a 29-bit id.
   [[nodiscard]] std::vector<std::uint32_t> ids() const;
   [[nodiscard]] const Counters& counters() const { return counters_; }
