@@ -79,7 +79,8 @@ void EventLoop::run() {
     }
     if (!was_idle) gather_until_ = steady_clock() + gather_.count();
     if (run_due_timers()) was_idle = false;
-    may_idle = !was_idle || (may_idle && idle_ && idle_());
+    const bool gathers = !was_idle && gather_.count() > 0;  // the descriptors are not to be looked at in any case
+    may_idle = (!was_idle && !gathers) || ((may_idle || gathers) && idle_ && idle_());
   }
 }
 

@@ -104,5 +104,51 @@ TEST(EventLoop, GathersWhatComesAtAHighRate) {
   close(fd);
 }
 
+/// A node that has nothing to do while idle costs no look.
+TEST(EventLoop, GathersThoughSomethingMightHaveWaited) {
+  EventLoop loop;
+  const int fd = eventfd(1, EFD_NONBLOCK);
+  int times = 0;
+  int asked = 0;
+  loop.watch(fd, [&] { ++times; });  // it stays readable
+  loop.when_idle([&] {
+    ++asked;
+    return false;
+  });
+  loop.every(200ms, [&] { loop.stop(); });
+  loop.gather(20ms);
+  loop.run();
+  EXPECT_LE(times, 11);
+  EXPECT_GE(times, 3);
+  EXPECT_GE(asked, times);
+  close(fd);
+}
+
+/// Work of more pieces goes on while nothing comes, and what comes goes before it.
+TEST(EventLoop, WhatMayWaitGoesOnWhileItGathers) {
+  EventLoop loop;
+  const int fd = eventfd(1, EFD_NONBLOCK);
+  int times = 0;
+  int pieces = 0;
+  loop.watch(fd, [&] {
+    std::uint64_t taken = 0;
+    (void)!read(fd, &taken, sizeof taken);
+    ++times;
+  });
+  loop.when_idle([&] {
+    if (++pieces % 10 != 0) return true;
+    const std::uint64_t one = 1;
+    (void)!write(fd, &one, sizeof one);
+    return false;
+  });
+  loop.every(100ms, [&] { loop.stop(); });
+  loop.gather(10ms);
+  loop.run();
+  EXPECT_GE(times, 4);
+  EXPECT_LE(times, 11);
+  EXPECT_GE(pieces, 10 * times - 10);
+  close(fd);
+}
+
 }  // namespace
 }  // namespace curbstone
