@@ -6,7 +6,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -56,42 +55,9 @@ void enable(int fd, int option) {
   setsockopt(fd, SOL_SOCKET, option, &on, sizeof on);
 }
 
-constexpr std::size_t kAtOnce = 8;       // packets of one system call
-constexpr std::size_t kLongest = 65536;  // bytes, any datagram: one that is cut off could not be named
-
 }  // namespace
 
-/// Room for the packets of one system call. The kernel gives memory to the pages that packets have reached.
-struct UdpSource::Batch {
-  struct alignas(cmsghdr) Control {
-    std::array<char, CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(std::uint32_t))> bytes;
-  };
-
-  Batch() {
-    for (std::size_t i = 0; i < kAtOnce; ++i) parts[i] = {bytes.get() + i * kLongest, kLongest};
-  }
-  mmsghdr* prepare() {
-    for (std::size_t i = 0; i < kAtOnce; ++i) {
-      msghdr& header = packets[i].msg_hdr;
-      header = {};
-      header.msg_name = &senders[i];
-      header.msg_namelen = sizeof senders[i];
-      header.msg_iov = &parts[i];
-      header.msg_iovlen = 1;
-      header.msg_control = controls[i].bytes.data();
-      header.msg_controllen = controls[i].bytes.size();
-    }
-    return packets.data();
-  }
-
-  std::unique_ptr<std::uint8_t[]> bytes = std::make_unique_for_overwrite<std::uint8_t[]>(kAtOnce * kLongest);
-  std::array<sockaddr_in, kAtOnce> senders{};
-  std::array<Control, kAtOnce> controls{};
-  std::array<iovec, kAtOnce> parts{};
-  std::array<mmsghdr, kAtOnce> packets{};
-};
-
-UdpSource::UdpSource(int port, const UdpOptions& options) : port_(port), batch_(std::make_unique<Batch>()) {
+UdpSource::UdpSource(int port, const UdpOptions& options) : port_(port) {
   if (!options.device_address.empty()) device_ = parse_ipv4(options.device_address, "device_address");
   const bool multicast = !options.group_address.empty() && options.group_address != "0.0.0.0";
   sockaddr_in local{};
@@ -130,21 +96,27 @@ int UdpSource::receive_buffer() const {
 }
 
 void UdpSource::receive(const Handler& handler) {
-  for (int left = kBatch; left > 0;) {
-    const int room = std::min(left, static_cast<int>(kAtOnce));
-    const int count = recvmmsg(fd_, batch_->prepare(), static_cast<unsigned>(room), 0, nullptr);
-    if (count < 0 && errno != EINTR && errno != ECONNREFUSED) return;
-    for (int i = 0; i < count; ++i) hand_over(static_cast<std::size_t>(i), handler);
-    left -= std::max(count, 1);
-    if (count >= 0 && count < room) return;  // none is left
+  for (int i = 0; i < kBatch && receive_one(handler); ++i) {
   }
 }
 
-void UdpSource::hand_over(std::size_t index, const Handler& handler) {
-  const mmsghdr& packet = batch_->packets[index];
-  msghdr header = packet.msg_hdr;
+bool UdpSource::receive_one(const Handler& handler) {
+  std::array<std::uint8_t, 65536> bytes;  // any datagram: one that is cut off could not be named
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(std::uint32_t))> control;
+  sockaddr_in sender{};
+  iovec part{bytes.data(), bytes.size()};
+  msghdr message{};
+  message.msg_name = &sender;
+  message.msg_namelen = sizeof sender;
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  const ssize_t size = recvmsg(fd_, &message, 0);
+  if (size < 0) return errno == EINTR || errno == ECONNREFUSED;
+
   std::int64_t received = 0;
-  for (cmsghdr* item = CMSG_FIRSTHDR(&header); item != nullptr; item = CMSG_NXTHDR(&header, item)) {
+  for (cmsghdr* item = CMSG_FIRSTHDR(&message); item != nullptr; item = CMSG_NXTHDR(&message, item)) {
     if (item->cmsg_level != SOL_SOCKET) continue;
     if (item->cmsg_type == SO_TIMESTAMPNS) {
       timespec time;
@@ -157,13 +129,14 @@ void UdpSource::hand_over(std::size_t index, const Handler& handler) {
       last_overflow_ = overflow;
     }
   }
-  sender_ = ntohl(batch_->senders[index].sin_addr.s_addr);
+  sender_ = ntohl(sender.sin_addr.s_addr);
   if (device_ && sender_ != *device_) {
     ++foreign_;
-    return;
+    return true;
   }
   if (received == 0) received = wall_clock();
-  handler(received, port_, std::span(batch_->bytes.get() + index * kLongest, packet.msg_len));
+  handler(received, port_, std::span(bytes.data(), static_cast<std::size_t>(size)));
+  return true;
 }
 
 }  // namespace curbstone::lidar::sources

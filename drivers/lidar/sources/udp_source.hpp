@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -43,8 +42,8 @@ class UdpSource {
   /// Bytes of the receive buffer as granted by the kernel; may be less than requested.
   [[nodiscard]] int receive_buffer() const;
 
-  /// Calls the handler for each packet that has arrived, at most kBatch; several are received with one system call. The
-  /// bytes are valid inside the handler only.
+  /// Calls the handler for each packet that has arrived, at most kBatch. Packets are cut to 2 kB; no sensor sends
+  /// longer ones. The bytes are valid inside the handler only.
   void receive(const Handler& handler);
 
   /// Packets dropped by the kernel since the start because this process was too slow.
@@ -59,12 +58,10 @@ class UdpSource {
   static constexpr int kBatch = 64;
 
  private:
-  struct Batch;
-  void hand_over(std::size_t index, const Handler& handler);
+  bool receive_one(const Handler& handler);
 
   int fd_ = -1;
   int port_;
-  std::unique_ptr<Batch> batch_;
   std::optional<Ipv4> device_;
   Ipv4 sender_ = 0;
   std::int64_t foreign_ = 0;
