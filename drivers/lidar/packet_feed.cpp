@@ -14,8 +14,8 @@ namespace curbstone::lidar {
 
 namespace {
 
-/// Two packets of a spinning LiDAR, whose stamps are the kernel's: to be woken for each costs more than to decode it.
-constexpr std::chrono::microseconds kGather(2000);
+/// Three packets of a spinning LiDAR, whose stamps are the kernel's: to be woken for each costs more than to decode it.
+constexpr std::chrono::microseconds kGather(4000);
 
 class NetworkFeed final : public PacketFeed {
  public:
