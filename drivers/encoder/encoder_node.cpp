@@ -76,11 +76,13 @@ EncoderNode::EncoderNode(const EncoderConfig& config, Publisher& bus, Send send)
               [this](std::int64_t utime, std::array<std::int32_t, 2> counts) { on_counts(utime, counts); },
               [this] {
                 drop_held();
+                forget_counts();
                 odometer_.restart();
                 stuck_.restart();
               },
               [this] {
                 drop_held();
+                forget_counts();
                 clock_.restart();
               }}),
       signals_(signals_of(config)),
@@ -112,9 +114,15 @@ void EncoderNode::on_frame(std::int64_t receive_utime, const can::CanFrame& fram
 
 void EncoderNode::restart_counting() {
   drop_held();
+  forget_counts();
   odometer_.restart();
   stuck_.restart();
   clock_.restart();
+}
+
+void EncoderNode::forget_counts() {
+  last_counts_.reset();
+  last_step_.reset();
 }
 
 void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw& counts) {
@@ -124,10 +132,13 @@ void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw&
     return counters_.add("withheld.two_senders");
   }
   if (had_two_senders) restart_counting();
-  // The clock counts samples: a repeated frame would shift it by a period.
+  // The clock counts samples: a repeated frame would shift it by a period. While samples are held the odometer does not
+  // know yet how fast the wheels turn. Before the second sample nothing does.
   const double period = static_cast<double>(clock_.period()) * 1e-6;
   const bool at_once = receive_utime - last_received_ < clock_.period() / 4;
-  if (at_once && counts == last_counts_ && odometer_.turns_fast(period)) {
+  const bool fast = odometer_.turns_fast(period) || !last_step_ || *last_step_ >= WheelCounter::kTooFast;
+  if (at_once && counts == last_counts_ && fast) {
+    if (!last_step_) last_step_ = 0;
     counters_.add("refused.repeated");
     refusal_ = "refused.repeated";
     return;
@@ -139,6 +150,7 @@ void EncoderNode::on_counts(std::int64_t receive_utime, const WheelCounter::Raw&
     refusal_ = "refused.jump";
     return;
   }
+  if (last_counts_) last_step_ = WheelCounter::step(*last_counts_, counts);
   last_counts_ = counts;
   const canopen::DriveStatus& status = drive_.status();
   std::optional<StuckCounts::Speeds> speeds;

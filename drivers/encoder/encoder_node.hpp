@@ -81,6 +81,7 @@ class EncoderNode final : public Node {
   void stamp(Arrived arrived, const PeriodClock::Evidence& evidence);
   void release_held();
   void drop_held();
+  void forget_counts();
   void restart_counting();
   void on_stamp(std::int64_t now, const Arrived& arrived, const PeriodClock::Stamp& stamp);
 
@@ -100,7 +101,8 @@ class EncoderNode final : public Node {
   std::deque<Arrived> waiting_;
   std::int64_t last_received_ = 0;  // counts
   std::int64_t last_stamped_ = 0;   // time of receipt
-  WheelCounter::Raw last_counts_{};
+  std::optional<WheelCounter::Raw> last_counts_;
+  std::optional<double> last_step_;  // counts, to those from the ones before
   std::int64_t began_ = 0;
   std::int64_t now_ = 0;
   std::int64_t last_frame_ = 0;  // received

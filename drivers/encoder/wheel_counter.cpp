@@ -9,8 +9,6 @@ namespace curbstone::encoder {
 namespace {
 constexpr int kMaxSuspects = 3;       // consecutive samples that agree with each other: they are right
 constexpr double kAcceleration = 20;  // rad/s^2, of a wheel
-// Counts per period: to stop at once from there takes 20 m/s^2 at 4096 counts, 0.17 m and 100 Hz.
-constexpr double kTooFast = 8;
 constexpr double kUnexplained = 0.5;  // rad, of a wheel that slips for one sample
 constexpr double kAtZero = 4;         // counts
 }  // namespace
@@ -22,6 +20,11 @@ std::array<double, 2> WheelCounter::difference(const Raw& from, const Raw& to) {
     moved[i] = static_cast<std::int32_t>(static_cast<std::uint32_t>(to[i]) - static_cast<std::uint32_t>(from[i]));
   }
   return moved;
+}
+
+double WheelCounter::step(const Raw& from, const Raw& to) {
+  const auto moved = difference(from, to);
+  return std::max(std::abs(moved[0]), std::abs(moved[1]));
 }
 
 std::optional<WheelCounter::Sample> WheelCounter::update(const Raw& raw, double elapsed) {

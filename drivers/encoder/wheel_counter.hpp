@@ -28,6 +28,9 @@ class WheelCounter {
     std::array<double, 2> speed{};         ///< rad/s, since the previous sample
   };
 
+  /// Counts per period: to stop at once from there takes 20 m/s^2 at 4096 counts, 0.17 m and 100 Hz.
+  static constexpr double kTooFast = 8;
+
   explicit WheelCounter(const Settings& settings) : settings_(settings) {}
 
   /// `elapsed` s since the last update() call. Empty if the counts are impossible.
@@ -43,6 +46,9 @@ class WheelCounter {
   /// Number of periods of `period` s (least..most) since the last update() or pass() call, assuming that the wheels did
   /// not accelerate more than vehicles do. Nothing if the counts do not show it, as with slow wheels.
   [[nodiscard]] std::optional<int> likely_periods(const Raw& raw, int least, int most, double period) const;
+
+  /// Counts between two readings, of the wheel that turned more; correct across a wrap.
+  [[nodiscard]] static double step(const Raw& from, const Raw& to);
 
   /// Whether the wheels can have turned that far within `elapsed` s since the last update() or pass() call.
   [[nodiscard]] bool is_possible(const Raw& raw, double elapsed) const;

@@ -188,7 +188,13 @@ void WheelDrive::on_frame(std::int64_t receive_utime, const can::CanFrame& frame
     if (state_ != State::kRunning) return counters_.add("ignored.unconfigured");
     if (frame.size != 8) return counters_.add("refused.length");
     last_counts_ = receive_utime;
-    if (std::exchange(answers_start_, false)) return counters_.add("ignored.first");
+    if (std::exchange(answers_start_, false)) {
+      answer_ = frame;
+      answered_ = receive_utime;
+      return counters_.add("ignored.first");
+    }
+    if (frame == answer_ && receive_utime - answered_ < settings_.period / 4) return counters_.add("ignored.first");
+    answer_.reset();
     const auto left = read_little_endian<std::uint32_t>(frame.bytes());
     const auto right = read_little_endian<std::uint32_t>(frame.bytes().subspan(4));
     handlers_.on_counts(receive_utime, {static_cast<std::int32_t>(left), static_cast<std::int32_t>(right)});

@@ -35,9 +35,10 @@ struct DriveStatus {
 /// frames are arguments, output goes to the handlers. TPDO1 carries both positions, TPDO2 status and speeds. Source:
 /// CiA 301, CiA 402; ZLAC8015D CANopen manual.
 ///
-/// The first positions after a start of the drive are ignored: they answer the start, and the event timer begins later.
-/// Counts: drive.setups, drive.boots, drive.silences, drive.stops (left operational without this master's command),
-/// drive.emergencies, ignored.frames, ignored.unconfigured, ignored.first, refused.length, and those of SdoClient.
+/// The first positions after a start of the drive are ignored, and the same again at once: they answer the start, and
+/// the event timer begins later. Counts: drive.setups, drive.boots, drive.silences, drive.stops (left operational
+/// without this master's command), drive.emergencies, ignored.frames, ignored.unconfigured, ignored.first,
+/// refused.length, and those of SdoClient.
 class WheelDrive {
  public:
   struct Settings {
@@ -98,8 +99,10 @@ class WheelDrive {
   State state_ = State::kIdle;
   std::vector<Write> sequence_;
   std::size_t step_ = 0;
-  std::int64_t since_ = 0;        // begin of the state
-  bool answers_start_ = false;    // the next positions answer a start
+  std::int64_t since_ = 0;               // begin of the state
+  bool answers_start_ = false;           // the next positions answer a start
+  std::optional<can::CanFrame> answer_;  // these, until others were received: they may come twice
+  std::int64_t answered_ = 0;
   std::int64_t last_counts_ = 0;  // when positions were last received, or the drive was started
   std::int64_t last_poll_ = 0;
   std::int64_t last_tick_ = 0;

@@ -79,7 +79,9 @@ TEST_F(WheelDriveTest, PositionsAreTwoLittleEndianInt32OnceTheDriveIsSetUp) {
   EXPECT_TRUE(counts_.empty());
   accept_everything(1000);
   drive_.on_frame(2000, positions);
-  drive_.on_frame(3000, positions);
+  drive_.on_frame(2100, positions);  // the answer to the start, twice
+  EXPECT_TRUE(counts_.empty());
+  drive_.on_frame(22'000, positions);
   EXPECT_THAT(counts_, ElementsAre(std::array<std::int32_t, 2>{-1234, 5678}));
 }
 
