@@ -52,19 +52,13 @@ class GroundWindow {
         for (int row = dy < 0 ? kCellsPerTile - kShadow : 0; row < row_end; ++row) {
           const CellColumn* const from = &tile->at(first, row);
           float* const to = &z_[index(first + dx * kCellsPerTile, row + dy * kCellsPerTile)];
-          for (int i = 0; i < num; ++i) to[i] = from[i].shows_ground() ? from[i].ground_z : kNotSeen;
+          for (int i = 0; i < num; ++i) take(from[i], to[i]);
         }
       }
     }
   }
-  /// Whether heights that ground_beyond() can find may differ by more than `limit`, m.
-  [[nodiscard]] bool has_relief(double limit) const {
-    Extent known;
-    for (const float z : z_) {
-      if (z < kNotSeen) known.take(z);
-    }
-    return known.size() > limit;
-  }
+  /// How far apart heights that ground_beyond() can find may be, m.
+  [[nodiscard]] double relief() const { return heights_.size(); }
   /// m in map; kNotSeen where no ground was seen; NaN where there is no tile.
   [[nodiscard]] float at(int column, int row) const { return z_[index(column, row)]; }
 
@@ -73,7 +67,16 @@ class GroundWindow {
   static std::size_t index(int column, int row) {
     return static_cast<std::size_t>((row + kShadow) * kSize + column + kShadow);
   }
+  /// Without branches: which cells show ground is not to be foreseen.
+  void take(const CellColumn& cell, float& z) {
+    const float height = cell.ground_z;
+    const bool is_seen = cell.shows_ground();
+    z = is_seen ? height : kNotSeen;
+    heights_.low = std::min(heights_.low, z);
+    heights_.high = std::max(heights_.high, is_seen ? height : -kNotSeen);
+  }
   std::array<float, std::size_t{kSize} * kSize> z_;
+  Extent heights_;
 };
 
 /// Cells with points above the ground, and their neighbours.
@@ -319,7 +322,7 @@ void classify_cells(const tile::Around<CellColumns>& columns, const tile::Around
   std::optional<GroundWindow> ground;
   if (heights.size() > drop_of(parameters)) {
     ground.emplace(columns);
-    if (!ground->has_relief(drop_of(parameters))) ground.reset();
+    if (ground->relief() <= drop_of(parameters)) ground.reset();
   }
   const HighCells high(columns);
   const TileView view{columns, high, vehicles, ground, find_near_standing(columns)};

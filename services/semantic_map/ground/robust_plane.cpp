@@ -10,20 +10,26 @@ namespace curbstone::semantic_map::ground {
 
 namespace {
 
-/// Of samples, by columns.
-struct Columns {
-  std::vector<double> x, y, z, weight;  ///< `weight`: the sample's own
-  std::vector<double> fitted;           ///< weight for the plane
-
-  explicit Columns(const std::vector<PlaneSample>& samples) {
-    for (std::vector<double>* column : {&x, &y, &z, &weight, &fitted}) column->resize(samples.size());
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      x[i] = samples[i].x;
-      y[i] = samples[i].y;
-      z[i] = samples[i].z;
-      weight[i] = samples[i].weight;
+/// Samples by columns, and what each weighs for a plane.
+class Columns {
+ public:
+  explicit Columns(const std::vector<PlaneSample>& samples) : n_(samples.size()), memory_(5 * n_) {
+    for (std::size_t i = 0; i < n_; ++i) {
+      x()[i] = samples[i].x;
+      y()[i] = samples[i].y;
+      z()[i] = samples[i].z;
+      weight()[i] = samples[i].weight;
     }
   }
+  double* x() { return memory_.data(); }
+  double* y() { return memory_.data() + n_; }
+  double* z() { return memory_.data() + 2 * n_; }
+  double* weight() { return memory_.data() + 3 * n_; }  ///< the sample's own
+  double* fitted() { return memory_.data() + 4 * n_; }  ///< for the plane
+
+ private:
+  std::size_t n_;
+  std::vector<double> memory_;
 };
 
 /// The weight of each sample for a plane.
@@ -72,10 +78,10 @@ Plane fit_plane(const std::vector<PlaneSample>& samples, const Plane& prior, con
   const double stiffness = (fit.sample_sigma / fit.slope_sigma) * (fit.sample_sigma / fit.slope_sigma);
   Columns columns(samples);
   for (int i = 0; i < fit.iterations; ++i) {
-    weigh(columns.x.data(), columns.y.data(), columns.z.data(), columns.weight.data(), samples.size(), plane,
-          fit.scale_above, fit.scale_below, columns.fitted.data());
+    weigh(columns.x(), columns.y(), columns.z(), columns.weight(), samples.size(), plane, fit.scale_above,
+          fit.scale_below, columns.fitted());
     PlaneEquations sum;
-    sum_up(columns.x.data(), columns.y.data(), columns.z.data(), columns.fitted.data(), samples.size(), sum);
+    sum_up(columns.x(), columns.y(), columns.z(), columns.fitted(), samples.size(), sum);
     const Four& by_one = sum.w_wx_wy_wz;
     const Four& by_x = sum.wxx_wyx_wzx;
     const Four& by_y = sum.wyy_wzy;
