@@ -16,18 +16,46 @@ constexpr std::size_t kMinRanges = 300;
 constexpr std::size_t kSearchRanges = 500;  // ranges that a search uses; all are used to refine
 constexpr double kNearUsual = 1.2;          // times the usual residual
 
-/// The bin of a direction. The arctangent is a polynomial, good to 1e-4 rad: this is most of the time that a profile
-/// takes.
-std::size_t bin_of(const Eigen::Vector2f& p) {
-  const float x = std::abs(p.x()), y = std::abs(p.y());
-  const float ratio = std::min(x, y) / std::max({x, y, 1e-6F}), square = ratio * ratio;
-  float angle = ratio * (0.99921F + square * (-0.32117F + square * (0.14627F - square * 0.03899F)));
-  if (y > x) angle = std::numbers::pi_v<float> / 2 - angle;
-  if (p.x() < 0) angle = std::numbers::pi_v<float> - angle;
-  if (p.y() < 0) angle = 2 * std::numbers::pi_v<float> - angle;
-  return std::min<std::size_t>(static_cast<std::size_t>(angle / static_cast<float>(AzimuthProfile::kBin)),
-                               AzimuthProfile::kBins - 1);
+/// The bin of a direction. The arctangent is a polynomial, good to 1e-4 rad. Nothing is computed on a condition: then
+/// it is computed of several directions side by side.
+int bin_of(float px, float py) {
+  const float x = std::abs(px);
+  const float y = std::abs(py);
+  const float less = x < y ? x : y;
+  const float more = x < y ? y : x;
+  const float ratio = less / (more < 1e-6F ? 1e-6F : more);
+  const float square = ratio * ratio;
+  const float octant = ratio * (0.99921F + square * (-0.32117F + square * (0.14627F - square * 0.03899F)));
+  const float beyond_octant = std::numbers::pi_v<float> / 2 - octant;
+  const float quadrant = y > x ? beyond_octant : octant;
+  const float beyond_quadrant = std::numbers::pi_v<float> - quadrant;
+  const float half = px < 0 ? beyond_quadrant : quadrant;
+  const float beyond_half = 2 * std::numbers::pi_v<float> - half;
+  const float angle = py < 0 ? beyond_half : half;
+  const int bin = static_cast<int>(angle / static_cast<float>(AzimuthProfile::kBin));
+  return bin < AzimuthProfile::kBins - 1 ? bin : AzimuthProfile::kBins - 1;
 }
+
+/// Points high enough to be no ground, by columns: what is computed of each of them is computed side by side. (Point by
+/// point, directions and heights branch in ways that nobody foresees.)
+struct UprightPoints {
+  Eigen::ArrayXf x, y, z;  ///< m, in base_link
+  std::vector<std::uint8_t> ring;
+  Eigen::Index size = 0;
+
+  explicit UprightPoints(const std::vector<scan::LidarPoint>& points) : ring(points.size() + 1) {
+    const auto most = static_cast<Eigen::Index>(points.size()) + 1;  // one more, to be written over
+    for (Eigen::ArrayXf* column : {&x, &y, &z}) column->resize(most);
+    for (const scan::LidarPoint& point : points) {
+      x[size] = point.position.x();
+      y[size] = point.position.y();
+      z[size] = point.position.z();
+      ring[static_cast<std::size_t>(size)] = point.ring;
+      size += point.position.z() > kUpright ? 1 : 0;
+    }
+    for (Eigen::ArrayXf* column : {&x, &y, &z}) column->conservativeResize(size);
+  }
+};
 
 }  // namespace
 
@@ -36,16 +64,23 @@ AzimuthProfile::AzimuthProfile(const std::vector<scan::LidarPoint>& points, cons
   const Eigen::Matrix2f R = T_there_base.linear().topLeftCorner<2, 2>().cast<float>();
   const Eigen::Vector2f t = (T_there_base.translation() - lidar).head<2>().cast<float>();
   const Eigen::Vector2f from = lidar.head<2>().cast<float>();
-  for (const scan::LidarPoint& point : points) {
-    if (!(point.position.z() > kUpright)) continue;
-    const float away = (point.position.head<2>() - from).norm();
-    if (!(point.position.z() > kUpright + kSlope * away && away > kNear && away < kFar)) continue;
-    const Eigen::Vector2f p = R * point.position.head<2>() + t;
-    const std::size_t row = static_cast<std::size_t>(point.ring) * kBins;
+  const UprightPoints upright(points);
+  // Roots are taken one by one: those of Eigen's arrays are not exact.
+  const Eigen::ArrayXf away2 = (upright.x - from.x()).square() + (upright.y - from.y()).square();
+  const Eigen::ArrayXf x = R(0, 0) * upright.x + R(0, 1) * upright.y + t.x();
+  const Eigen::ArrayXf y = R(1, 0) * upright.x + R(1, 1) * upright.y + t.y();
+  const Eigen::ArrayXf ranges2 = x.square() + y.square();
+  Eigen::ArrayXi bins(upright.size);
+  std::transform(x.data(), x.data() + x.size(), y.data(), bins.data(), bin_of);
+  for (Eigen::Index i = 0; i < upright.size; ++i) {
+    const float away = std::sqrt(away2[i]);
+    if (!(upright.z[i] > kUpright + kSlope * away && away > kNear && away < kFar)) continue;
+    const std::size_t row = static_cast<std::size_t>(upright.ring[static_cast<std::size_t>(i)]) * kBins;
     if (ranges_.size() < row + kBins) ranges_.resize(row + kBins);
-    float& range = ranges_[row + bin_of(p)];
-    const float r = p.norm();
-    if (range == 0) seen_.push_back(static_cast<std::uint32_t>(&range - ranges_.data()));
+    const std::size_t at = row + static_cast<std::size_t>(bins[i]);
+    float& range = ranges_[at];
+    const float r = std::sqrt(ranges2[i]);
+    if (range == 0) seen_.push_back(static_cast<std::uint32_t>(at));
     if (range == 0 || r < range) range = r;
   }
 }

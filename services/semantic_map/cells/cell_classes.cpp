@@ -1,8 +1,15 @@
 #include "services/semantic_map/cells/cell_classes.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <bitset>
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "services/semantic_map/tile/vectorised.hpp"
 
 namespace curbstone::semantic_map::cells {
 
@@ -15,43 +22,61 @@ constexpr int kShadow = 8;            // cells: about as far as an edge hides wh
 constexpr double kSlope = 0.15;       // slope that unseen ground may have
 constexpr double kCurbLink = 0.45;    // m: cells between curb points this close are curb, too
 
-/// The cells of a tile and of its neighbours, up to kReach cells beyond the tile.
-class ColumnWindow {
+/// Index of the neighbour, -1 to 1, in which a column or row lies that is at most a tile's width outside.
+constexpr int tile_of(int i) {
+  return i < 0 ? -1 : i >= kCellsPerTile ? 1 : 0;
+}
+
+/// A cell of a tile or of its neighbours; nullptr where there is no tile.
+const CellColumn* cell_at(const tile::Around<CellColumns>& columns, int column, int row) {
+  const int dx = tile_of(column);
+  const int dy = tile_of(row);
+  const CellColumns* tile = columns.at(dx, dy);
+  return tile == nullptr ? nullptr : &tile->at(column - dx * kCellsPerTile, row - dy * kCellsPerTile);
+}
+
+/// Heights of the ground in the cells of a tile and up to kShadow cells beyond it.
+class GroundWindow {
  public:
-  explicit ColumnWindow(const tile::Around<CellColumns>& columns) {
+  static constexpr float kNotSeen = std::numeric_limits<float>::infinity();
+  explicit GroundWindow(const tile::Around<CellColumns>& columns) {
+    z_.fill(std::numeric_limits<float>::quiet_NaN());
     // Tile by tile, a row's part at a time.
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
         const CellColumns* tile = columns.at(dx, dy);
         if (tile == nullptr) continue;
-        const int first = dx < 0 ? kCellsPerTile - kReach : 0;
-        const int num = dx == 0 ? kCellsPerTile : kReach;
-        const int row_end = dy > 0 ? kReach : kCellsPerTile;
-        for (int row = dy < 0 ? kCellsPerTile - kReach : 0; row < row_end; ++row) {
+        const int first = dx < 0 ? kCellsPerTile - kShadow : 0;
+        const int num = dx == 0 ? kCellsPerTile : kShadow;
+        const int row_end = dy > 0 ? kShadow : kCellsPerTile;
+        for (int row = dy < 0 ? kCellsPerTile - kShadow : 0; row < row_end; ++row) {
           const CellColumn* const from = &tile->at(first, row);
-          const CellColumn** const to = &cells_[index(first + dx * kCellsPerTile, row + dy * kCellsPerTile)];
-          for (int i = 0; i < num; ++i) to[i] = from + i;
+          float* const to = &z_[index(first + dx * kCellsPerTile, row + dy * kCellsPerTile)];
+          for (int i = 0; i < num; ++i) take(from[i], to[i]);
         }
       }
     }
   }
-  /// Whether heights that ground_beyond() can find may differ by more than `limit`, m. `known`: some of the heights.
-  [[nodiscard]] bool has_relief(double limit, Extent known) const {
-    for (std::size_t i = 0; i < cells_.size() && known.size() <= limit; ++i) {
-      if (cells_[i] != nullptr && cells_[i]->shows_ground()) known.take(cells_[i]->ground_z);
-    }
-    return known.size() > limit;
-  }
-  /// nullptr where there is no tile. Up to kReach cells beyond the tile.
-  [[nodiscard]] const CellColumn* at(int column, int row) const { return cells_[index(column, row)]; }
+  /// How far apart heights that ground_beyond() can find may be, m.
+  [[nodiscard]] double relief() const { return heights_.size(); }
+  /// m in map; kNotSeen where no ground was seen; NaN where there is no tile.
+  [[nodiscard]] float at(int column, int row) const { return z_[index(column, row)]; }
 
  private:
-  static constexpr int kReach = std::max({kShadow, kVehicleReach, 1});
-  static constexpr int kSize = kCellsPerTile + 2 * kReach;
+  static constexpr int kSize = kCellsPerTile + 2 * kShadow;
   static std::size_t index(int column, int row) {
-    return static_cast<std::size_t>((row + kReach) * kSize + column + kReach);
+    return static_cast<std::size_t>((row + kShadow) * kSize + column + kShadow);
   }
-  std::array<const CellColumn*, std::size_t{kSize} * kSize> cells_{};
+  /// Without branches: which cells show ground is not to be foreseen.
+  void take(const CellColumn& cell, float& z) {
+    const float height = cell.ground_z;
+    const bool is_seen = cell.shows_ground();
+    z = is_seen ? height : kNotSeen;
+    heights_.low = std::min(heights_.low, z);
+    heights_.high = std::max(heights_.high, is_seen ? height : -kNotSeen);
+  }
+  std::array<float, std::size_t{kSize} * kSize> z_;
+  Extent heights_;
 };
 
 /// Cells with points above the ground, and their neighbours.
@@ -89,8 +114,8 @@ struct Standing {
   double top = 0;  ///< m above ground
 };
 
-Standing standing_at(const ColumnWindow& cells, int column, int row, const ClassParameters& parameters) {
-  const CellColumn& cell = *cells.at(column, row);
+Standing standing_at(const tile::Around<CellColumns>& columns, int column, int row, const ClassParameters& parameters) {
+  const CellColumn& cell = columns.centre()->at(column, row);
   if (cell.blocks(parameters)) return {true, double{cell.top}};
   struct Side {
     int dx, dy;
@@ -98,7 +123,7 @@ Standing standing_at(const ColumnWindow& cells, int column, int row, const Class
   };
   int over_the_edge = 0;
   for (const Side& side : {Side{-1, 0, 1}, Side{1, 0, 0}, Side{0, -1, 3}, Side{0, 1, 2}}) {
-    const CellColumn* next = cells.at(column + side.dx, row + side.dy);
+    const CellColumn* next = cell_at(columns, column + side.dx, row + side.dy);
     if (next != nullptr) over_the_edge += next->at_edge[side.edge];
   }
   if (cell.blocking_points + over_the_edge == 0) return {};
@@ -106,7 +131,7 @@ Standing standing_at(const ColumnWindow& cells, int column, int row, const Class
   Standing standing;
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
-      const CellColumn* next = cells.at(column + dx, row + dy);
+      const CellColumn* next = cell_at(columns, column + dx, row + dy);
       if (next == nullptr) continue;
       supported = supported || next->blocks(parameters);
       standing.top = std::max(standing.top, double{next->top});
@@ -117,17 +142,36 @@ Standing standing_at(const ColumnWindow& cells, int column, int row, const Class
   return standing;
 }
 
-/// Whether the cell is part of an object as high as `min_vehicle` and as large as a piece of a car.
-bool is_large(const ColumnWindow& cells, int column, int row, const ClassParameters& parameters) {
-  int high = 0;
-  for (int r = row - kVehicleReach; r <= row + kVehicleReach; ++r) {
-    for (int c = column - kVehicleReach; c <= column + kVehicleReach; ++c) {
-      const CellColumn* cell = cells.at(c, r);
-      if (cell != nullptr && cell->is_high(parameters)) ++high;
+/// The cells as high as `min_vehicle` of a tile and up to kVehicleReach cells around it, a bit each.
+class HighCells {
+ public:
+  explicit HighCells(const tile::Around<CellColumns>& columns) {
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        const CellColumns* tile = columns.at(dx, dy);
+        if (tile == nullptr) continue;
+        for (std::size_t i = tile->high._Find_first(); i < tile::kCellsInTile; i = tile->high._Find_next(i)) {
+          const int column = static_cast<int>(i) % kCellsPerTile + dx * kCellsPerTile + kVehicleReach;
+          const int row = static_cast<int>(i) / kCellsPerTile + dy * kCellsPerTile + kVehicleReach;
+          if (column < 0 || row < 0 || column >= kSide || row >= kSide) continue;
+          rows_[static_cast<std::size_t>(row)] |= std::uint64_t{1} << column;
+        }
+      }
     }
   }
-  return high >= kVehicleCells;
-}
+  /// Whether the cell is part of an object as high as `min_vehicle` and as large as a piece of a car.
+  [[nodiscard]] bool are_large(int column, int row) const {
+    constexpr int kWidth = 2 * kVehicleReach + 1;
+    int high = 0;
+    for (int r = row; r < row + kWidth; ++r)
+      high += std::popcount((rows_[static_cast<std::size_t>(r)] >> column) & ((std::uint64_t{1} << kWidth) - 1));
+    return high >= kVehicleCells;
+  }
+
+ private:
+  static constexpr int kSide = kCellsPerTile + 2 * kVehicleReach;
+  std::array<std::uint64_t, std::size_t{kSide}> rows_{};
+};
 
 /// Whether the cell shows a pit, or the far side of a downward edge: its points are below the ground around.
 bool is_drop(const CellColumn& cell, const ClassParameters& parameters) {
@@ -140,52 +184,53 @@ double drop_of(const ClassParameters& parameters) {
 
 /// The nearest ground in a direction from a cell, and its distance in steps.
 struct GroundBeyond {
-  const CellColumn* cell = nullptr;
-  int steps = 0;
+  float z = 0;    // m in map
+  int steps = 0;  // 0: there is none
 };
 
-GroundBeyond ground_beyond(const ColumnWindow& cells, int column, int row, int dx, int dy) {
+GroundBeyond ground_beyond(const GroundWindow& ground, int column, int row, int dx, int dy) {
   for (int k = 1; k <= kShadow; ++k) {
-    const CellColumn* cell = cells.at(column + k * dx, row + k * dy);
-    if (cell == nullptr) return {};
-    if (cell->shows_ground()) return {cell, k};
+    const float z = ground.at(column + k * dx, row + k * dy);
+    if (std::isnan(z)) return {};
+    if (z < GroundWindow::kNotSeen) return {z, k};
   }
   return {};
 }
 
 /// Whether the cell is unseen between ground at two heights: the edge between them hides it, seen from above.
-bool hides_a_drop(const ColumnWindow& cells, int column, int row, const ClassParameters& parameters) {
+bool hides_a_drop(const GroundWindow& ground, int column, int row, const ClassParameters& parameters) {
   constexpr int kDirections[4][2] = {{1, 0}, {0, 1}, {1, 1}, {1, -1}};
   return std::any_of(std::begin(kDirections), std::end(kDirections), [&](const int(&d)[2]) {
-    const GroundBeyond a = ground_beyond(cells, column, row, d[0], d[1]);
-    if (a.cell == nullptr) return false;
-    const GroundBeyond b = ground_beyond(cells, column, row, -d[0], -d[1]);
-    if (b.cell == nullptr) return false;
+    const GroundBeyond a = ground_beyond(ground, column, row, d[0], d[1]);
+    if (a.steps == 0) return false;
+    const GroundBeyond b = ground_beyond(ground, column, row, -d[0], -d[1]);
+    if (b.steps == 0) return false;
     const double apart = (a.steps + b.steps) * kCellSize * std::hypot(d[0], d[1]);
-    return double{std::abs(a.cell->ground_z - b.cell->ground_z)} > drop_of(parameters) + kSlope * apart;
+    return double{std::abs(a.z - b.z)} > drop_of(parameters) + kSlope * apart;
   });
 }
 
 /// Inputs for the classes of a tile's cells.
 struct TileView {
-  const ColumnWindow& cells;
+  const tile::Around<CellColumns>& columns;
+  const HighCells& high;
   const VehicleCells& vehicles;
+  const std::optional<GroundWindow>& ground;  // nothing where no drop can be hidden
   std::bitset<tile::kCellsInTile> near_standing;
-  bool is_flat;  // no drop can be hidden
 };
 
 tile::CellClass class_of(const TileView& view, int column, int row, const ClassParameters& parameters) {
-  const auto& [cells, vehicles, near_standing, is_flat] = view;
+  const auto& [columns, high, vehicles, ground, near_standing] = view;
   const auto i = static_cast<std::size_t>(row * kCellsPerTile + column);
-  const CellColumn& cell = *cells.at(column, row);
-  const Standing standing = near_standing[i] ? standing_at(cells, column, row, parameters) : Standing{};
+  const CellColumn& cell = columns.centre()->cells[i];
+  const Standing standing = near_standing[i] ? standing_at(columns, column, row, parameters) : Standing{};
   if (standing.blocks) {
     if (standing.top >= kReachesTop * parameters.vehicle_height || vehicles.beneath[i]) return tile::CellClass::kWall;
-    return is_large(cells, column, row, parameters) ? tile::CellClass::kWall : tile::CellClass::kObstacle;
+    return high.are_large(column, row) ? tile::CellClass::kWall : tile::CellClass::kObstacle;
   }
   if (is_drop(cell, parameters)) return tile::CellClass::kObstacle;
   if (cell.ground_points == 0)
-    return !is_flat && hides_a_drop(cells, column, row, parameters) ? tile::CellClass::kObstacle
+    return ground && hides_a_drop(*ground, column, row, parameters) ? tile::CellClass::kObstacle
                                                                     : tile::CellClass::kUnknown;
   return vehicles.beneath[i] ? tile::CellClass::kWall : tile::CellClass::kRoad;
 }
@@ -231,9 +276,25 @@ void mark_curbs(const tile::Around<std::vector<curbs::CurbPoint>>& curbs, const 
   }
 }
 
-std::int16_t height_steps(float z, float z_origin) {
-  const double steps = std::round((double{z} - double{z_origin}) / kPositionStep);
-  return static_cast<std::int16_t>(std::clamp(steps, -32767.0, 32767.0));
+/// std::round() of what is no larger than a tile's heights may be, without a call: half away from zero.
+[[gnu::always_inline]] inline double rounded(double value) {
+  constexpr double kBelowHalf = 0.49999999999999994;  // with 0.5, what is just below a half would become 1
+  return static_cast<double>(static_cast<std::int32_t>(value < 0 ? value - kBelowHalf : value + kBelowHalf));
+}
+
+/// All of a cell that does not depend on the cells around.
+CURBSTONE_VECTORISED
+void measure_cells(const CellColumn* cells, double z_origin, tile::MapTile& tile) {
+  constexpr double kMost = 32767;
+  for (std::size_t i = 0; i < tile::kCellsInTile; ++i) {
+    const CellColumn& cell = cells[i];
+    const double exact = (double{cell.ground_z} - z_origin) / kPositionStep;
+    const double steps = rounded(exact < -kMost ? -kMost : exact > kMost ? kMost : exact);
+    tile.height[i] = cell.points > 0 ? static_cast<std::int16_t>(steps) : tile::MapTile::kNoHeight;
+    tile.hits[i] = static_cast<std::uint8_t>(cell.points < 255 ? cell.points : 255);
+    const int support = 32 * (cell.ground_points + cell.blocking_points + cell.drop_points);
+    tile.confidence[i] = static_cast<std::uint8_t>(support < 255 ? support : 255);
+  }
 }
 
 }  // namespace
@@ -256,24 +317,26 @@ std::uint8_t traversal_cost(tile::CellClass cell_class, double curb_height, cons
 
 void classify_cells(const tile::Around<CellColumns>& columns, const tile::Around<std::vector<curbs::CurbPoint>>& curbs,
                     const VehicleCells& vehicles, const ClassParameters& parameters, tile::MapTile& tile) {
-  const ColumnWindow window(columns);
-  Extent ground;
-  columns.for_each([&](const CellColumns& beside, double, double) { ground.take(beside.ground); });
-  const double drop = drop_of(parameters);
-  const bool is_flat = ground.size() <= drop || !window.has_relief(drop, columns.centre()->ground);
-  const TileView view{window, vehicles, find_near_standing(columns), is_flat};
+  Extent heights;
+  columns.for_each([&](const CellColumns& beside, double, double) { heights.take(beside.ground); });
+  std::optional<GroundWindow> ground;
+  if (heights.size() > drop_of(parameters)) {
+    ground.emplace(columns);
+    if (ground->relief() <= drop_of(parameters)) ground.reset();
+  }
+  const HighCells high(columns);
+  const TileView view{columns, high, vehicles, ground, find_near_standing(columns)};
+  measure_cells(columns.centre()->cells.data(), double{tile.z_origin}, tile);
+  std::array<std::uint8_t, tile::kNumClasses> cost;
+  for (std::size_t c = 0; c < cost.size(); ++c)
+    cost[c] = traversal_cost(static_cast<tile::CellClass>(c), 0, parameters);
   for (int row = 0; row < kCellsPerTile; ++row) {
     for (int column = 0; column < kCellsPerTile; ++column) {
       const auto i = static_cast<std::size_t>(row * kCellsPerTile + column);
-      const CellColumn& cell = columns.centre()->cells[i];
-      tile.cell_class[i] = class_of(view, column, row, parameters);
-      tile.cost[i] = traversal_cost(tile.cell_class[i], 0, parameters);
-      tile.height[i] = cell.points > 0 ? height_steps(cell.ground_z, tile.z_origin) : tile::MapTile::kNoHeight;
-      const int support = cell.ground_points + cell.blocking_points + cell.drop_points;
-      tile.hits[i] = static_cast<std::uint8_t>(std::min<int>(255, cell.points));
-      tile.confidence[i] = tile.cell_class[i] == tile::CellClass::kUnknown
-                               ? std::uint8_t{0}
-                               : static_cast<std::uint8_t>(std::min(255, 32 * support));
+      const tile::CellClass cell_class = class_of(view, column, row, parameters);
+      tile.cell_class[i] = cell_class;
+      tile.cost[i] = cost[static_cast<std::size_t>(cell_class)];
+      if (cell_class == tile::CellClass::kUnknown) tile.confidence[i] = 0;
     }
   }
   mark_curbs(curbs, parameters, tile);

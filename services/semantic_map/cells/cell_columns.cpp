@@ -1,21 +1,42 @@
 #include "services/semantic_map/cells/cell_columns.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
+#include "services/semantic_map/ground/ground_columns.hpp"
+
 namespace curbstone::semantic_map::cells {
+
+namespace {
+
+/// Of all cells, m from the tile's corner.
+struct CellCentres {
+  std::array<double, tile::kCellsInTile> x{}, y{};
+  CellCentres() {
+    for (std::size_t i = 0; i < tile::kCellsInTile; ++i) {
+      x[i] = (static_cast<int>(i) % kCellsPerTile + 0.5) * kCellSize;
+      y[i] = (static_cast<int>(i) / kCellsPerTile + 0.5) * kCellSize;
+    }
+  }
+};
+
+}  // namespace
 
 ColumnAccumulator::ColumnAccumulator(const ground::GroundSurface& ground, const ClassParameters& parameters)
     : parameters_(parameters), cells_(tile::kCellsInTile) {
+  static const CellCentres centres;
+  std::array<double, tile::kCellsInTile> heights;
+  ground::GroundColumns(ground).heights(centres.x.data(), centres.y.data(), heights.size(), heights.data());
   unread_.set();
-  for (int row = 0; row < kCellsPerTile; ++row) {
-    for (int column = 0; column < kCellsPerTile; ++column) {
-      const auto height = ground.height_or_rough((column + 0.5) * kCellSize, (row + 0.5) * kCellSize);
-      Cell& cell = cells_[static_cast<std::size_t>(row * kCellsPerTile + column)];
-      cell.ground = height ? static_cast<float>(*height) : std::numeric_limits<float>::quiet_NaN();
-      cell.lowest = std::numeric_limits<float>::infinity();
-    }
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    Cell& cell = cells_[i];
+    cell.ground = static_cast<float>(heights[i]);
+    cell.lowest = std::numeric_limits<float>::infinity();
+    if (!std::isnan(heights[i])) continue;
+    const auto rough = ground.height_or_rough(centres.x[i], centres.y[i]);
+    if (rough) cell.ground = static_cast<float>(*rough);
   }
 }
 

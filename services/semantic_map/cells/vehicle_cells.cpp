@@ -1,5 +1,6 @@
 #include "services/semantic_map/cells/vehicle_cells.hpp"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -28,10 +29,10 @@ class StandingCells {
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
         const CellColumns* tile = columns.at(dx, dy);
-        if (tile == nullptr || tile->blocked.none()) continue;
-        for (int i = 0; i < tile::kCellsInTile; ++i) {
-          const auto cell = static_cast<std::size_t>(i);
-          if (!tile->blocked[cell]) continue;
+        if (tile == nullptr) continue;
+        for (std::size_t cell = tile->blocked._Find_first(); cell < tile::kCellsInTile;
+             cell = tile->blocked._Find_next(cell)) {
+          const auto i = static_cast<int>(cell);
           const CellPlace at((dx + 1) * kCellsPerTile + i % kCellsPerTile,
                              (dy + 1) * kCellsPerTile + i / kCellsPerTile);
           state_[index(at)] = tile->high[cell] ? kHigh : kLow;
@@ -48,8 +49,9 @@ class StandingCells {
     Thing thing;
     take_cell(start, thing);
     for (std::size_t k = 0; k < thing.cells.size(); ++k) {
+      const CellPlace here = thing.cells[k];
       for (int dy = -1; dy <= 1; ++dy) {
-        for (int dx = -1; dx <= 1; ++dx) take_cell(CellPlace(thing.cells[k].x() + dx, thing.cells[k].y() + dy), thing);
+        for (int dx = -1; dx <= 1; ++dx) take_cell(CellPlace(here.x() + dx, here.y() + dy), thing);
       }
     }
     return thing;
@@ -57,14 +59,16 @@ class StandingCells {
 
  private:
   enum State : std::uint8_t { kNothing, kLow, kHigh };
-  static std::size_t index(CellPlace at) { return static_cast<std::size_t>(at.y() * kWindow + at.x()); }
+  static constexpr int kRow = kWindow + 2;  ///< with a cell beyond the window on each side, where nothing stands
+  static std::size_t index(CellPlace at) { return static_cast<std::size_t>((at.y() + 1) * kRow + at.x() + 1); }
   void take_cell(CellPlace at, Thing& thing) {
-    if ((at.array() < 0).any() || (at.array() >= kWindow).any() || state_[index(at)] == kNothing) return;
+    State& state = state_[index(at)];
+    if (state == kNothing) return;
     thing.cells.push_back(at);
-    thing.high += state_[index(at)] == kHigh ? 1 : 0;
-    state_[index(at)] = kNothing;
+    thing.high += state == kHigh ? 1 : 0;
+    state = kNothing;
   }
-  std::vector<State> state_ = std::vector<State>(static_cast<std::size_t>(kWindow * kWindow), kNothing);
+  std::array<State, static_cast<std::size_t>(kRow* kRow)> state_{};
   std::vector<CellPlace> places_;
 };
 

@@ -1,6 +1,8 @@
 #include "services/semantic_map/curbs/curb_face.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 namespace curbstone::semantic_map::curbs {
@@ -9,37 +11,54 @@ namespace {
 
 constexpr int kMinFacePoints = 3;
 
-/// Points that are the face's by their height, between the two sides: u, height above the low side.
-std::vector<Eigen::Vector2d> face_points(const StepWindow& points, const HeightStep& step) {
-  constexpr double kNear = 0.15;  // m on each side of the step
-  std::vector<Eigen::Vector2d> of_face;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const double u = points.u[i] - step.at;
-    if (!points.has(i) || std::abs(u) > kNear) continue;
-    const double above = points.z[i] - step.low_z - step.slope.x() * u - step.slope.y() * points.t[i];
-    if (above > 0.25 * step.height && above < 0.75 * step.height) of_face.emplace_back(points.u[i], above);
+/// A point that is the face's by its height, between the two sides: u, height above the low side.
+struct FacePoint {
+  double u, above;
+};
+
+/// `memory`: that they are put into, and are part of.
+std::span<FacePoint> face_points(const StepWindow& points, const HeightStep& step, std::vector<FacePoint>& memory) {
+  constexpr double kNear = 0.15;                                         // m on each side of the step
+  if (memory.size() <= points.size()) memory.resize(points.size() + 1);  // one more, to be written over
+  FacePoint* const found = memory.data();
+  const double* const at_u = points.u.data();
+  const double* const at_t = points.t.data();
+  const double* const at_z = points.z.data();
+  const HeightStep s = step;
+  const double half_length = points.half_length;
+  const double lowest = 0.25 * s.height;
+  const double highest = 0.75 * s.height;
+  const std::size_t num = points.size();
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < num; ++i) {
+    const double u = at_u[i] - s.at;
+    const double above = at_z[i] - s.low_z - s.slope.x() * u - s.slope.y() * at_t[i];
+    found[n] = {at_u[i], above};
+    const bool is_face =
+        (std::abs(at_t[i]) <= half_length) & (std::abs(u) <= kNear) & (above > lowest) & (above < highest);
+    n += is_face ? 1U : 0U;
   }
-  return of_face;
+  return std::span(memory).first(n);
 }
 
 /// Noise of the two sides, low before the face and high behind it, would look like a lean: so only of a kerb's face.
-FaceLean lean_of(const std::vector<Eigen::Vector2d>& face, double middle) {
+FaceLean lean_of(std::span<const FacePoint> face, double middle) {
   constexpr double kFace = 0.06;  // m on each side of its middle
-  const auto is_of_face = [&](const Eigen::Vector2d& p) { return std::abs(p.x() - middle) < kFace; };
+  const auto is_of_face = [&](const FacePoint& p) { return std::abs(p.u - middle) < kFace; };
   double n = 0;
   double mean = 0;
-  for (const Eigen::Vector2d& p : face) {
+  for (const FacePoint& p : face) {
     if (!is_of_face(p)) continue;
     n += 1;
-    mean += p.y();
+    mean += p.above;
   }
   if (n < kMinFacePoints) return {};
   mean /= n;
   FaceLean lean;
-  for (const Eigen::Vector2d& p : face) {
+  for (const FacePoint& p : face) {
     if (!is_of_face(p)) continue;
-    const double z = p.y() - mean;
-    lean.add({(p.x() - middle) * z, z * z}, 1);
+    const double z = p.above - mean;
+    lean.add({(p.u - middle) * z, z * z}, 1);
   }
   return lean;
 }
@@ -47,12 +66,13 @@ FaceLean lean_of(const std::vector<Eigen::Vector2d>& face, double middle) {
 }  // namespace
 
 CurbFace find_curb_face(const StepWindow& points, const HeightStep& step) {
-  constexpr double kSlack = 0.03;  // m: the grain that a step is sought at
-  std::vector<Eigen::Vector2d> of_face = face_points(points, step);
+  constexpr double kSlack = 0.03;              // m: the grain that a step is sought at
+  thread_local std::vector<FacePoint> memory;  // for the sake of it
+  const std::span<FacePoint> of_face = face_points(points, step, memory);
   if (of_face.size() < kMinFacePoints) return {step.at, {}};
   const auto middle = of_face.begin() + static_cast<std::ptrdiff_t>(of_face.size() / 2);
-  std::nth_element(of_face.begin(), middle, of_face.end(), [](const auto& a, const auto& b) { return a.x() < b.x(); });
-  const double at = std::clamp(middle->x(), step.at - kSlack, step.at + kSlack);
+  std::nth_element(of_face.begin(), middle, of_face.end(), [](const auto& a, const auto& b) { return a.u < b.u; });
+  const double at = std::clamp(middle->u, step.at - kSlack, step.at + kSlack);
   return {at, lean_of(of_face, at)};
 }
 

@@ -1,8 +1,10 @@
 #include "services/semantic_map/curbs/near_ground_points.hpp"
 
 #include <cmath>
+#include <span>
 
 #include "services/semantic_map/curbs/height_step.hpp"
+#include "services/semantic_map/tile/vectorised.hpp"
 
 namespace curbstone::semantic_map::curbs {
 
@@ -16,10 +18,6 @@ constexpr double kMinNormalZ = 0.35;  // steeper is no curb at this scale, it is
 constexpr int kNowhere = -1;
 constexpr int kSide = NearGroundPoints::kSide;
 
-int cell_along(double x) {
-  return std::clamp(static_cast<int>((x + kWindowMargin) / kCellSize), 0, kSide - 1);
-}
-
 bool is_of_tile(int cell) {
   const auto is_inner = [](int k) {
     return k >= NearGroundPoints::kMarginCells && k < NearGroundPoints::kMarginCells + kCellsPerTile;
@@ -27,8 +25,27 @@ bool is_of_tile(int cell) {
   return is_inner(cell % kSide) && is_inner(cell / kSide);
 }
 
-bool is_near_ground(double above, const tile::CurbParameters& parameters) {
-  return above >= -kBelowGround && above <= parameters.max_step;  // not where there is no ground
+/// The cell of each of n points; kNowhere of what is not near the ground, or where there is none.
+CURBSTONE_VECTORISED
+void find_cells(const double* x, const double* y, const double* z, const double* ground, std::size_t n,
+                double max_above, int* __restrict cells) {
+  const auto cell_along = [](double at) __attribute__((always_inline)) {
+    const int cell = static_cast<int>((at + kWindowMargin) / kCellSize);
+    const int most = cell < kSide - 1 ? cell : kSide - 1;
+    return most < 0 ? 0 : most;
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    const double above = z[i] - ground[i];
+    const bool is_near = (above >= -kBelowGround) & (above <= max_above);
+    const int cell = cell_along(y[i]) * kSide + cell_along(x[i]);
+    cells[i] = is_near ? cell : kNowhere;
+  }
+}
+
+/// ground::may_be_ground() without branches, which nobody could foresee.
+bool carries_a_side(const tile::VotedTensor& point, const tile::CurbParameters& parameters) {
+  return (point.mass > 0) & (static_cast<double>(point.normal.z()) >= parameters.min_normal_z) &
+         ((static_cast<double>(point.stick) >= parameters.min_stick) | ground::is_scan_line(point));
 }
 
 static_assert(kWindowMargin <= ground::GroundColumns::kReach);
@@ -51,17 +68,24 @@ void NearGroundPoints::find_places(const tile::Around<tile::VotedTile>& tiles) {
   tiles.for_each([&](const tile::VotedTile& tile, double dx, double dy) {
     const auto points = tile.points.places();
     const tile::VotedTensor* const tensors = tile.points.tensors().data();
-    if (places_.size() < n_ + points.size() + 1) {
-      places_.resize(n_ + points.size() + 1);
-      for (std::vector<double>* column : {&at_x_, &at_y_, &ground_}) column->resize(places_.size());
+    if (const std::size_t most = n_ + points.size() + 1; at_x_.size() < most) {
+      for (std::vector<double>* column : {&at_x_, &at_y_, &at_z_, &ground_}) column->resize(most);
+      tensors_.resize(most);
+      cells_.resize(most);
+      near_.resize(most);
     }
+    double* const at_x = at_x_.data();
+    double* const at_y = at_y_.data();
+    double* const at_z = at_z_.data();
+    const tile::VotedTensor** const tensor = tensors_.data();
     std::size_t n = n_;
     for (const tile::VotedPoints::Place& p : points) {
       const double x = double{p.x} + dx;
       const double y = double{p.y} + dy;
-      at_x_[n] = x;
-      at_y_[n] = y;
-      places_[n] = {.z = p.z, .cell = 0, .tensor = tensors + p.tensor};
+      at_x[n] = x;
+      at_y[n] = y;
+      at_z[n] = double{p.z};
+      tensor[n] = tensors + p.tensor;
       const bool is_in = (x >= -kWindowMargin) & (y >= -kWindowMargin) & (x < kTileSize + kWindowMargin) &
                          (y < kTileSize + kWindowMargin);
       n += is_in ? 1U : 0U;
@@ -72,16 +96,15 @@ void NearGroundPoints::find_places(const tile::Around<tile::VotedTile>& tiles) {
 
 /// What is near the ground, by counting.
 void NearGroundPoints::sort(const tile::CurbParameters& parameters) {
-  start_.assign(static_cast<std::size_t>(kSide * kSide) + 1, 0);
+  find_cells(at_x_.data(), at_y_.data(), at_z_.data(), ground_.data(), n_, parameters.max_step, cells_.data());
   std::size_t num_near = 0;
   for (std::size_t i = 0; i < n_; ++i) {
-    const double above = double{places_[i].z} - ground_[i];
-    places_[i].cell = kNowhere;
-    if (!is_near_ground(above, parameters)) continue;
-    places_[i].cell = cell_along(at_y_[i]) * kSide + cell_along(at_x_[i]);
-    ++start_[static_cast<std::size_t>(places_[i].cell) + 1];
-    ++num_near;
+    near_[num_near] = static_cast<std::uint32_t>(i);
+    num_near += cells_[i] != kNowhere ? 1U : 0U;
   }
+  const std::span<const std::uint32_t> near = std::span(near_).first(num_near);
+  start_.assign(static_cast<std::size_t>(kSide * kSide) + 1, 0);
+  for (const std::uint32_t i : near) ++start_[static_cast<std::size_t>(cells_[i]) + 1];
   for (std::size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
   if (described_.size() < num_near) {
     described_.resize(num_near);
@@ -91,16 +114,15 @@ void NearGroundPoints::sort(const tile::CurbParameters& parameters) {
   inner_.clear();
   inner_x_.clear();
   inner_y_.clear();
-  for (std::size_t i = 0; i < n_; ++i) {
-    const Place& place = places_[i];
-    if (place.cell == kNowhere) continue;
-    const auto at = static_cast<std::size_t>(next_[static_cast<std::size_t>(place.cell)]++);
+  for (const std::uint32_t i : near) {
+    const int cell = cells_[i];
+    const auto at = static_cast<std::size_t>(next_[static_cast<std::size_t>(cell)]++);
     x_[at] = double{static_cast<float>(at_x_[i])};
     y_[at] = double{static_cast<float>(at_y_[i])};
-    z_[at] = double{static_cast<float>(double{place.z} - ground_[i])};
-    unfit_[at] = ground::may_be_ground(*place.tensor, parameters) ? 0 : StepWindow::kUnfit;
-    if (!is_of_tile(place.cell)) continue;
-    inner_.push_back({at, place.tensor});
+    z_[at] = double{static_cast<float>(at_z_[i] - ground_[i])};
+    unfit_[at] = carries_a_side(*tensors_[i], parameters) ? 0 : StepWindow::kUnfit;
+    if (!is_of_tile(cell)) continue;
+    inner_.push_back({at, tensors_[i]});
     inner_x_.push_back(at_x_[i]);
     inner_y_.push_back(at_y_[i]);
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -53,24 +54,21 @@ class NearGroundPoints {
   [[nodiscard]] const double* unfit() const { return unfit_.data(); }
 
  private:
-  /// A point within the margin.
-  struct Place {
-    float z = 0;  // m in map
-    int cell = 0;
-    const tile::VotedTensor* tensor = nullptr;
-  };
   void find_places(const tile::Around<tile::VotedTile>& tiles);
   void sort(const tile::CurbParameters& parameters);
   void describe(const ground::GroundColumns& ground, const tile::CurbParameters& parameters);
 
   // All points within the margin, in the order of the tiles; n_ of them.
   std::size_t n_ = 0;
-  std::vector<Place> places_;
   std::vector<double> at_x_, at_y_;  // m from the centre tile's corner
-  std::vector<double> ground_;       // m in map, the ground's height; NaN: there is none
+  std::vector<double> at_z_;         // m in map
+  std::vector<const tile::VotedTensor*> tensors_;
+  std::vector<int> cells_;      // of those near the ground
+  std::vector<double> ground_;  // m in map, the ground's height; NaN: there is none
   // Those near the ground, by cells.
   std::vector<NearGround> described_;  // those of the tile itself; what is at others' indices means nothing
   std::vector<double> x_, y_, z_, unfit_;
+  std::vector<std::uint32_t> near_;  // which of all they are, in their order
   std::vector<int> start_;
   std::vector<int> next_;
   // Of those, the ones of the tile itself, in any order.

@@ -15,49 +15,38 @@ namespace {
 constexpr int kMinPoints = 6;     // a side
 constexpr int kMinFarPoints = 3;  // in a side's outer half: ground that goes on, not the face of something
 
-/// Two sums that are kept in step: one instruction adds to both.
-using Pair = Eigen::Array2d;
-
 constexpr std::size_t kMoments = 9;
 
-/// Sums over some points, from which means and scatter follow: kMoments of them.
-struct Moments {
-  Pair t_z = Pair::Zero(), uu_ut = Pair::Zero(), tt_uz = Pair::Zero(), tz_zz = Pair::Zero();
-  double u = 0;
+using Four = double __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double)), may_alias));
+using Two = double __attribute__((vector_size(2 * sizeof(double)), aligned(sizeof(double)), may_alias));
 
-  void add(double at_u, double t, double z) {
-    const Pair tz(t, z);
-    u += at_u;
-    t_z += tz;
-    uu_ut += Pair(at_u, at_u) * Pair(at_u, t);
-    tt_uz += Pair(t, at_u) * tz;
-    tz_zz += Pair(z, z) * tz;
-  }
+/// Sums over some points, from which means and scatter follow: one instruction adds to several.
+struct Moments {
+  Four n_u_t_z;
+  Four uu_ut_uz_tt;
+  Two tz_zz;
 };
 
 static_assert(2 * kShift + 1 <= static_cast<int>(kPlaces));
-/// A register's worth, wherever it lies. Of a plain loop over the places GCC makes one over strips, with shuffles in
-/// between.
-using FourPlaces = double __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double)), may_alias));
-static_assert(kPlaces == 16);
+static_assert(kPlaces % 4 == 0);
 
 /// The window cut into strips along the step: `half` of them on each side of u = 0. Kept for the sake of its memory.
 struct Strips {
+  /// What points beyond all strips are added to, in turn, so that none waits for the one before.
+  static constexpr int kBeyond = 8;
   int half = 0;
-  std::vector<int> of_point;         ///< strip of each point that may carry a side, else -1
-  std::vector<std::uint32_t> order;  ///< those points, once they are summed up
-  std::vector<int> points_before;    ///< of them, in all strips before each
-  std::vector<int> covered_before;   ///< strips with points, before each
-  std::vector<Moments> moments;      ///< of each strip
-  std::vector<double> sums;          ///< the same, moment by moment, so that many places are summed up side by side
+  std::vector<int> of_point;        ///< strip of each point that may carry a side, else one of kBeyond behind them
+  std::vector<int> points_before;   ///< of those points, in all strips before each
+  std::vector<int> covered_before;  ///< strips with points, before each
+  std::vector<Moments> moments;     ///< of each strip, and of those beyond
+  std::vector<double> sums;         ///< the same, moment by moment, so that many places are summed up side by side
 
-  std::vector<int> odd_points;  ///< scratch
-
-  void sort(const StepWindow& points, int num_half);
-  void count(std::size_t n);
-  void sum(const StepWindow& points);
+  void sum(const StepWindow& points, int num_half);
+  void count();
+  void arrange();
+  [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(2 * half); }
   /// From one moment to the next; behind a moment's strips are as many zeros as may be read there.
-  [[nodiscard]] std::size_t stride() const { return static_cast<std::size_t>(2 * half) + kPlaces; }
+  [[nodiscard]] std::size_t stride() const { return size() + kPlaces; }
   [[nodiscard]] int points_in(int from, int to) const {
     return points_before[static_cast<std::size_t>(to)] - points_before[static_cast<std::size_t>(from)];
   }
@@ -74,61 +63,54 @@ void find_strips(const double* u, const double* t, const double* unfit, std::siz
     const int towards_zero = static_cast<int>(q);
     const int down = towards_zero - (towards_zero > q ? 1 : 0);
     const bool is_in = (std::abs(t[i]) + unfit[i] <= half_length) & (down >= -half) & (down < half);
-    strip[i] = is_in ? down + half : -1;
+    strip[i] = is_in ? down + half : 2 * half + static_cast<int>(i % Strips::kBeyond);
   }
 }
 
-/// Points side by side are often of one strip, and to count one would wait for the one before: so every other one is
-/// counted apart.
-void Strips::count(std::size_t n) {
-  odd_points.assign(points_before.size(), 0);
-  const int* const strip = of_point.data();
-  int* const even = points_before.data() + 1;
-  int* const odd = odd_points.data() + 1;
-  std::size_t i = 0;
-  for (; i + 1 < n; i += 2) {
-    ++even[strip[i]];
-    ++odd[strip[i + 1]];
+/// In each strip point by point in their order: so the sums do not depend on how they are computed. The number of
+/// points goes with them: to count first would take as long.
+CURBSTONE_VECTORISED
+void sum_strips(const double* u, const double* t, const double* z, const int* strip, std::size_t n, Moments* moments) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const Four one_u_t_z{1, u[i], t[i], z[i]};
+    Moments& m = moments[strip[i]];
+    m.n_u_t_z += one_u_t_z;
+    m.uu_ut_uz_tt += __builtin_shufflevector(one_u_t_z, one_u_t_z, 1, 1, 1, 2) *
+                     __builtin_shufflevector(one_u_t_z, one_u_t_z, 1, 2, 3, 2);
+    m.tz_zz += Two{t[i], z[i]} * Two{z[i], z[i]};
   }
-  if (i < n) ++even[strip[i]];
-  for (std::size_t b = 0; b < points_before.size(); ++b) points_before[b] += odd_points[b];
 }
 
-void Strips::sort(const StepWindow& points, int num_half) {
+void Strips::sum(const StepWindow& points, int num_half) {
   half = num_half;
   const std::size_t n = points.size();
   if (n > of_point.size()) of_point.resize(n);
   find_strips(points.u.data(), points.t.data(), points.unfit.data(), n, points.half_length, half, of_point.data());
-  points_before.assign(static_cast<std::size_t>(2 * half) + 1, 0);
-  covered_before.resize(points_before.size());
-  count(n);
-  points_before[0] = covered_before[0] = 0;  // those that are in no strip
-  for (std::size_t b = 1; b < points_before.size(); ++b) {
-    covered_before[b] = covered_before[b - 1] + (points_before[b] > 0 ? 1 : 0);
-    points_before[b] += points_before[b - 1];
+  moments.assign(size() + kBeyond, Moments{});
+  sum_strips(points.u.data(), points.t.data(), points.z.data(), of_point.data(), n, moments.data());
+}
+
+void Strips::count() {
+  points_before.resize(size() + 1);
+  covered_before.resize(size() + 1);
+  points_before[0] = covered_before[0] = 0;
+  for (std::size_t b = 0; b < size(); ++b) {
+    const int points = static_cast<int>(moments[b].n_u_t_z[0]);
+    points_before[b + 1] = points_before[b] + points;
+    covered_before[b + 1] = covered_before[b] + (points > 0 ? 1 : 0);
   }
 }
 
-void Strips::sum(const StepWindow& points) {
-  moments.assign(static_cast<std::size_t>(2 * half), Moments{});
-  const double* const u = points.u.data();
-  const double* const t = points.t.data();
-  const double* const z = points.z.data();
-  order.resize(static_cast<std::size_t>(points_before.back()) + 1);  // one more, to be written over
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    order[kept] = static_cast<std::uint32_t>(i);
-    kept += of_point[i] >= 0 ? 1U : 0U;
-  }
-  order.resize(kept);
-  for (const std::uint32_t i : order) moments[static_cast<std::size_t>(of_point[i])].add(u[i], t[i], z[i]);
+void Strips::arrange() {
   const std::size_t apart = stride();
   if (sums.size() != kMoments * apart) sums.assign(kMoments * apart, 0);
-  for (std::size_t b = 0; b < moments.size(); ++b) {
+  double* const by_moment = sums.data();
+  for (std::size_t b = 0; b < size(); ++b) {
     const Moments& m = moments[b];
-    const double of_strip[kMoments] = {m.u,        m.t_z(0),   m.t_z(1),   m.uu_ut(0), m.uu_ut(1),
-                                       m.tt_uz(0), m.tt_uz(1), m.tz_zz(0), m.tz_zz(1)};
-    for (std::size_t c = 0; c < kMoments; ++c) sums[c * apart + b] = of_strip[c];
+    const double of_strip[kMoments] = {m.n_u_t_z[1],     m.n_u_t_z[2],     m.n_u_t_z[3],
+                                       m.uu_ut_uz_tt[0], m.uu_ut_uz_tt[1], m.uu_ut_uz_tt[3],
+                                       m.uu_ut_uz_tt[2], m.tz_zz[0],       m.tz_zz[1]};
+    for (std::size_t c = 0; c < kMoments; ++c) by_moment[c * apart + b] = of_strip[c];
   }
 }
 
@@ -166,35 +148,29 @@ void count_sides(const Strips& strips, const SideStrips& at_places, double min_c
   }
 }
 
-/// The sums over strips `from` .. `to` - 1 of the first place, one on of the next.
+/// The sums over strips `from` .. `to` - 1 of the first place, one on of the next; of the fours that there are `any`.
 CURBSTONE_VECTORISED
-void sum_side(const double* of_strips, std::size_t stride, std::size_t from, std::size_t to, SideSums& side) {
+void sum_side(const double* of_strips, std::size_t stride, std::size_t from, std::size_t to, const bool* any,
+              SideSums& side) {
   Places* const moments[kMoments] = {&side.u,  &side.t,  &side.z,  &side.uu, &side.ut,
                                      &side.tt, &side.uz, &side.tz, &side.zz};
-  for (std::size_t c = 0; c < kMoments; ++c) {
-    FourPlaces first{};
-    FourPlaces second{};
-    FourPlaces third{};
-    FourPlaces fourth{};
+  for (std::size_t four = 0; four < kFours; ++four) {
+    if (!any[four]) continue;
+    Four sums[kMoments] = {};
     for (std::size_t b = from; b < to; ++b) {
-      const auto* const strip = reinterpret_cast<const FourPlaces*>(of_strips + c * stride + b);
-      first += strip[0];
-      second += strip[1];
-      third += strip[2];
-      fourth += strip[3];
+      const double* const strip = of_strips + 4 * four + b;
+#pragma GCC unroll 9
+      for (std::size_t c = 0; c < kMoments; ++c) sums[c] += *reinterpret_cast<const FourPlaces*>(strip + c * stride);
     }
-    auto* const sums = reinterpret_cast<FourPlaces*>(moments[c]->data());
-    sums[0] = first;
-    sums[1] = second;
-    sums[2] = third;
-    sums[3] = fourth;
+    for (std::size_t c = 0; c < kMoments; ++c) *reinterpret_cast<FourPlaces*>(moments[c]->data() + 4 * four) = sums[c];
   }
 }
 
 void sum_sides(const Strips& strips, const SideStrips& at_places, Sides& sides) {
   const auto sum_of = [&](int from, int to, SideSums& side) {
     for (std::size_t i = 2 * kShift + 1; i < kPlaces; ++i) side.n[i] = 0;
-    sum_side(strips.sums.data(), strips.stride(), static_cast<std::size_t>(from), static_cast<std::size_t>(to), side);
+    sum_side(strips.sums.data(), strips.stride(), static_cast<std::size_t>(from), static_cast<std::size_t>(to),
+             sides.any.data(), side);
   };
   sum_of(at_places.first - at_places.window, at_places.first - kFaceBins, sides.low);
   sum_of(at_places.first + kFaceBins, at_places.first + at_places.window, sides.high);
@@ -205,10 +181,12 @@ void sum_sides(const Strips& strips, const SideStrips& at_places, Sides& sides) 
 bool measure_sides(const StepWindow& points, const tile::CurbParameters& parameters, Sides& sides) {
   const SideStrips at_places(parameters);
   thread_local Strips strips;  // for the sake of its memory
-  strips.sort(points, at_places.half);
+  strips.sum(points, at_places.half);
+  strips.count();
   count_sides(strips, at_places, parameters.min_cover, sides);
-  if (std::none_of(sides.exist.begin(), sides.exist.end(), [](bool exist) { return exist; })) return false;
-  strips.sum(points);
+  for (std::size_t k = 0; k < kPlaces; ++k) sides.any[k / 4] = sides.any[k / 4] || sides.exist[k];
+  if (std::none_of(sides.any.begin(), sides.any.end(), [](bool any) { return any; })) return false;
+  strips.arrange();
   sum_sides(strips, at_places, sides);
   return true;
 }

@@ -27,9 +27,15 @@ struct SideSums {
   Places n, u, t, z, uu, ut, tt, uz, tz, zz;
 };
 
-/// Both sides at each place, and whether there are any.
+/// Places are computed by fours.
+inline constexpr std::size_t kFours = kPlaces / 4;
+/// A register's worth of Places, wherever it lies.
+using FourPlaces = double __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double)), may_alias));
+
+/// Both sides at each place, and whether there are any. Of fours of which none has two sides nothing else is known.
 struct Sides {
   std::array<bool, kPlaces> exist{};
+  std::array<bool, kFours> any{};  ///< of the four places
   SideSums low;
   SideSums high;
 };

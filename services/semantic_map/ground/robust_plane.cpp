@@ -1,59 +1,95 @@
 #include "services/semantic_map/ground/robust_plane.hpp"
 
 #include <cstddef>
+#include <vector>
 
 #include "common/linear/decompositions.hpp"
+#include "services/semantic_map/tile/vectorised.hpp"
 
 namespace curbstone::semantic_map::ground {
 
 namespace {
 
+/// Samples by columns, and what each weighs for a plane.
+class Columns {
+ public:
+  explicit Columns(const std::vector<PlaneSample>& samples) : n_(samples.size()), memory_(5 * n_) {
+    for (std::size_t i = 0; i < n_; ++i) {
+      x()[i] = samples[i].x;
+      y()[i] = samples[i].y;
+      z()[i] = samples[i].z;
+      weight()[i] = samples[i].weight;
+    }
+  }
+  double* x() { return memory_.data(); }
+  double* y() { return memory_.data() + n_; }
+  double* z() { return memory_.data() + 2 * n_; }
+  double* weight() { return memory_.data() + 3 * n_; }  ///< the sample's own
+  double* fitted() { return memory_.data() + 4 * n_; }  ///< for the plane
+
+ private:
+  std::size_t n_;
+  std::vector<double> memory_;
+};
+
 /// The weight of each sample for a plane.
-void weigh(const std::vector<PlaneSample>& samples, const Plane& plane, const PlaneFit& fit,
-           std::vector<double>& weights) {
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const PlaneSample& s = samples[i];
-    const double residual = s.z - plane.at(s.x, s.y);
-    const double scaled = residual / (residual > 0 ? fit.scale_above : fit.scale_below);
-    weights[i] = s.weight / (1 + scaled * scaled);
+CURBSTONE_VECTORISED
+void weigh(const double* x, const double* y, const double* z, const double* weight, std::size_t n, const Plane& plane,
+           double scale_above, double scale_below, double* __restrict fitted) {
+  const double height = plane.height;
+  const double slope_x = plane.slope.x();
+  const double slope_y = plane.slope.y();
+  for (std::size_t i = 0; i < n; ++i) {
+    const double residual = z[i] - (height + slope_x * x[i] + slope_y * y[i]);
+    const double scaled = residual / (residual > 0 ? scale_above : scale_below);
+    fitted[i] = weight[i] / (1 + scaled * scaled);
   }
 }
 
-/// Sums of weighted least squares over rows (1, x, y): the lower half of the matrix, and the right-hand side.
-struct PlaneEquations {
-  double a00 = 0, a10 = 0, a20 = 0, a11 = 0, a21 = 0, a22 = 0;
-  double b0 = 0, b1 = 0, b2 = 0;
+using Four = double __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double))));
 
-  void add(const PlaneSample& s, double weight) {
-    const double wx = weight * s.x;
-    const double wy = weight * s.y;
-    const double wz = weight * s.z;
-    a00 += weight;
-    a10 += wx;
-    a20 += wy;
-    a11 += wx * s.x;
-    a21 += wy * s.x;
-    a22 += wy * s.y;
-    b0 += wz;
-    b1 += wz * s.x;
-    b2 += wz * s.y;
-  }
+/// Sums of weighted least squares over rows (1, x, y): of the weight w with them and z, and of these with x and with y.
+struct PlaneEquations {
+  Four w_wx_wy_wz{};
+  Four wxx_wyx_wzx{};
+  Four wyy_wzy{};
 };
+
+/// Sample by sample in their order; one instruction adds to several sums.
+CURBSTONE_VECTORISED
+void sum_up(const double* x, const double* y, const double* z, const double* fitted, std::size_t n,
+            PlaneEquations& sum) {
+  Four first{};
+  Four second{};
+  Four third{};
+  for (std::size_t i = 0; i < n; ++i) {
+    const Four row = fitted[i] * Four{1, x[i], y[i], z[i]};
+    first += row;
+    second += __builtin_shufflevector(row, row, 1, 2, 3, 3) * x[i];
+    third += __builtin_shufflevector(row, row, 2, 3, 3, 3) * y[i];
+  }
+  sum = {first, second, third};
+}
 
 }  // namespace
 
 Plane fit_plane(const std::vector<PlaneSample>& samples, const Plane& prior, const PlaneFit& fit) {
   Plane plane = prior;
   const double stiffness = (fit.sample_sigma / fit.slope_sigma) * (fit.sample_sigma / fit.slope_sigma);
-  std::vector<double> weights(samples.size());
+  Columns columns(samples);
   for (int i = 0; i < fit.iterations; ++i) {
-    weigh(samples, plane, fit, weights);
+    weigh(columns.x(), columns.y(), columns.z(), columns.weight(), samples.size(), plane, fit.scale_above,
+          fit.scale_below, columns.fitted());
     PlaneEquations sum;
-    for (std::size_t k = 0; k < samples.size(); ++k) sum.add(samples[k], weights[k]);
+    sum_up(columns.x(), columns.y(), columns.z(), columns.fitted(), samples.size(), sum);
+    const Four& by_one = sum.w_wx_wy_wz;
+    const Four& by_x = sum.wxx_wyx_wzx;
+    const Four& by_y = sum.wyy_wzy;
     Eigen::Matrix3d A;
-    A << sum.a00 + 1e-9, sum.a10, sum.a20, sum.a10, sum.a11 + stiffness, sum.a21, sum.a20, sum.a21, sum.a22 + stiffness;
-    const Eigen::Vector3d b(sum.b0 + 1e-9 * plane.height, sum.b1 + stiffness * prior.slope(0),
-                            sum.b2 + stiffness * prior.slope(1));
+    A << by_one[0] + 1e-9, by_one[1], by_one[2], by_one[1], by_x[0] + stiffness, by_x[1], by_one[2], by_x[1],
+        by_y[0] + stiffness;
+    const Eigen::Vector3d b(by_one[3] + 1e-9 * plane.height, by_x[2] + stiffness * prior.slope(0),
+                            by_y[1] + stiffness * prior.slope(1));
     const Eigen::Vector3d solution = Ldlt<3>(A).solve(b);
     plane = {solution(0), solution.tail<2>()};
   }

@@ -50,6 +50,26 @@ TEST(Quantile, IsThatOfTheSortedValues) {
   }
 }
 
+TEST(Quantile, OfManyValuesInAnyOrderIsThatOfTheSortedOnes) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> number(-5, 5);
+  for (const std::size_t n : {100U, 257U, 2000U}) {
+    std::vector<double> mixed(n);
+    for (double& value : mixed) value = number(random);
+    std::vector<double> rising = mixed;
+    std::sort(rising.begin(), rising.end());
+    const std::vector<double> falling(rising.rbegin(), rising.rend());
+    std::vector<double> organ_pipe = rising;
+    std::reverse(organ_pipe.begin() + static_cast<std::ptrdiff_t>(n / 2), organ_pipe.end());
+    for (const double q : {0.0, 0.2, 0.5, 0.8, 1.0}) {
+      const auto rank = static_cast<std::size_t>(std::floor(q * static_cast<double>(n - 1) + 0.5));
+      for (const std::vector<double>& values : {mixed, rising, falling, organ_pipe})
+        EXPECT_EQ(quantile_of(values, q), rising[rank]) << q << " of " << n;
+      EXPECT_EQ(quantile_of(std::vector<double>(n, 3.0), q), 3);
+    }
+  }
+}
+
 TEST(Quantile, InPlaceKeepsTheValuesAndTheCopyingOneTheirOrder) {
   std::vector<double> values = {3, 1, 2, 5, 4};
   const std::vector<double> before = values;
