@@ -64,8 +64,11 @@ void EkfNode::connect(Subscriber& bus) {
 
 void EkfNode::on(const imu_t& message) {
   counters_.add("messages.imu");
+  const char* cause = why_refused(message);
+  if (cause == nullptr && !imu_.sender.accept(message.utime, message.sequence))
+    return counters_.add("refused.second_sender.imu");
   count_lost_messages(imu_, message.sequence);
-  if (const char* cause = why_refused(message)) return refuse(imu_, cause);
+  if (cause != nullptr) return refuse(imu_, cause);
   imu_.refused_in_a_row = 0;
   imu_.heard = message.utime;
   imu_.silence.heard();
@@ -89,8 +92,11 @@ void EkfNode::on(const imu_t& message) {
 
 void EkfNode::on(const wheels_t& message) {
   counters_.add("messages.wheels");
+  const char* cause = why_refused(message);
+  if (cause == nullptr && !wheels_.sender.accept(message.utime, message.sequence))
+    return counters_.add("refused.second_sender.wheels");
   count_lost_messages(wheels_, message.sequence);
-  if (const char* cause = why_refused(message)) return refuse(wheels_, cause);
+  if (cause != nullptr) return refuse(wheels_, cause);
   wheels_.refused_in_a_row = 0;
   wheels_.heard = message.utime;
   wheels_.silence.heard();
@@ -207,6 +213,11 @@ void EkfNode::describe_input(const Input& input, std::vector<std::string>& fault
   else if (input.silence.was_heard() && input.silence.silent() > kSilence)
     faults.push_back(
         fmt::format("{}: silent for {:.1f} s", input.name, static_cast<double>(input.silence.silent()) * 1e-6));
+  if (input.sender.two_send())
+    faults.push_back(
+        fmt::format("{0}: two programs send it, and the one heard first is used: end the other (a second "
+                    "driver, or a log that is played into the bus)",
+                    input.name));
 }
 
 NodeReport EkfNode::report() const {

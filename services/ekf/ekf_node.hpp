@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/bus/node.hpp"
+#include "common/bus/single_sender.hpp"
 #include "common/resend/message_keeper.hpp"
 #include "common/shell/latency.hpp"
 #include "common/time/silence_timer.hpp"
@@ -51,6 +52,7 @@ class EkfNode final : public Node {
     const char* name;
     std::int64_t heard = 0;  // us, newest stamp; 0: none yet
     SilenceTimer silence{};
+    SingleSender sender{};
     std::optional<std::int32_t> sequence{};  // of the newest message
     int refused_in_a_row = 0;
   };

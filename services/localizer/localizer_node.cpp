@@ -59,6 +59,7 @@ void LocalizerNode::connect(Subscriber& bus) {
 }
 
 void LocalizerNode::on(const lidar_points_t& message) {
+  if (message.utime > 0 && !lidar_.accept(message.utime, message.packet)) return counters_.add("refused.second_lidar");
   clock_.add(message, odometry_.newest(), [this](const lidar_points_t& in_time) { queue(assembler_.add(in_time)); });
   if (message.utime <= 0) return;
   lidar_time_ = clock_.corrected(message.utime);
@@ -225,6 +226,10 @@ NodeReport LocalizerNode::report() const {
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
   if (lidar_time_ == 0) report.faults.emplace_back("no LIDAR_POINTS");
+  if (lidar_.two_send())
+    report.faults.emplace_back(
+        "two LiDARs send on LIDAR_POINTS, and one is used: give the other a `channel` of its own, or "
+        "end the log that is played into the bus");
   clock_.add_faults(report.faults);
   if (lidar_time_ != 0 && !begun_) report.faults.emplace_back("no usable ODOMETRY yet");
   if (tracker_ && lost()) report.faults.push_back(fmt::format("lost: {} does not show what is seen here", config_.map));

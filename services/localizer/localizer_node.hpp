@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "common/bus/node.hpp"
+#include "common/bus/single_sender.hpp"
 #include "common/shell/latency.hpp"
 #include "services/localizer/localizer_config.hpp"
 #include "services/localizer/search/global_localizer.hpp"
@@ -61,7 +62,9 @@ class LocalizerNode final : public Node {
   semantic_map::store::MapReader file_;
   bool is_checked_ = false;  // every tile was read once
   std::optional<fields::SavedMap> map_;
-  std::int32_t epoch_ = 0;  // of the map
+  std::int32_t epoch_ = 0;                 // of the map
+  static constexpr int kLidarBurst = 400;  // packets, half a second and more than any burst
+  SingleSender lidar_{kLidarBurst};
   mapper::scan::LidarClock clock_;
   mapper::scan::ScanAssembler assembler_;
   mapper::scan::OdometryHistory odometry_;

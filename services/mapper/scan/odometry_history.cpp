@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace curbstone::mapper::scan {
 
@@ -15,16 +16,19 @@ constexpr std::int64_t kShortestGap = 4'000;  // us: one sample at 400 Hz
 OdometryHistory::Added OdometryHistory::add(const OdometrySample& sample) {
   if (!samples_.empty() && sample.utime <= samples_.back().utime) {
     const std::int64_t back = samples_.back().utime - sample.utime;
-    const bool goes_on = late_ != 0 && sample.utime > late_ && sample.utime - late_ <= kMaxGap;
-    agreeing_ = goes_on ? agreeing_ + 1 : 1;
-    late_ = sample.utime;
-    if (back < kClockJump && (back < kSetBack || agreeing_ < kAgreeing)) return Added::kLate;
-    samples_.clear();
-    samples_.push_back(sample);
-    late_ = 0;
+    const bool goes_on =
+        !late_.empty() && sample.utime > late_.back().utime && sample.utime - late_.back().utime <= kMaxGap;
+    if (!goes_on) late_.clear();
+    late_.push_back(sample);
+    const std::size_t enough = back < kFarBack ? kAgreeing : kAgreeingFarBack;
+    if (back < kSetBack || late_.size() < enough) {
+      if (late_.size() > kAgreeingFarBack) late_.pop_front();
+      return Added::kLate;
+    }
+    samples_ = std::exchange(late_, {});
     return Added::kClockJump;
   }
-  late_ = 0;
+  late_.clear();
   samples_.push_back(sample);
   if (samples_.size() > kCapacity) samples_.pop_front();
   return Added::kYes;
@@ -82,7 +86,7 @@ bool OdometryHistory::covers(std::int64_t from, std::int64_t to) const {
 bool OdometryHistory::is_clock_step(std::size_t i, std::size_t known) const {
   constexpr double kStands = 0.01;  // m
   const double gap = seconds(samples_[i].utime, samples_[i + 1].utime);
-  if (samples_[i + 1].utime - samples_[i].utime >= kClockJump) return false;
+  if (samples_[i + 1].utime - samples_[i].utime >= kLongestClockStep) return false;
   const auto moved = [this](std::size_t j) {
     return (samples_[j + 1].T_odom_base.translation() - samples_[j].T_odom_base.translation()).norm();
   };

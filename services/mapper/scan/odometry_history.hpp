@@ -26,16 +26,19 @@ struct OdometrySample {
 /// Pure; one thread.
 class OdometryHistory {
  public:
-  static constexpr std::int64_t kLead = 20'000;          ///< us: an error of 0.4 mm at 2 m/s^2
-  static constexpr std::size_t kCapacity = 8000;         ///< 80 s at 100 Hz
-  static constexpr std::int64_t kMaxGap = 200'000;       ///< us: largest interval that is interpolated over
-  static constexpr std::int64_t kClockJump = 1'000'000;  ///< us backwards: the sample is of a new clock, not late,
-  static constexpr std::int64_t kSetBack = 100'000;      ///< or this, if kAgreeing samples in a row continue each other
-  static constexpr int kAgreeing = 5;
+  static constexpr std::int64_t kLead = 20'000;        ///< us: an error of 0.4 mm at 2 m/s^2
+  static constexpr std::size_t kCapacity = 8000;       ///< 80 s at 100 Hz
+  static constexpr std::int64_t kMaxGap = 200'000;     ///< us: largest interval that is interpolated over
+  static constexpr std::int64_t kSetBack = 100'000;    ///< us backwards: the clock was set, if kAgreeing samples in a
+  static constexpr int kAgreeing = 5;                  ///< row continue each other. From kFarBack on, which a log that
+  static constexpr std::int64_t kFarBack = 1'000'000;  ///< is played into the bus may be, kAgreeingFarBack, for these
+  static constexpr int kAgreeingFarBack = 20;          ///< come in bursts
+  static constexpr std::int64_t kLongestClockStep = 1'000'000;  ///< us ahead
   static constexpr double kGapSteps = 1.6;
 
   enum class Added { kYes, kLate, kClockJump };
-  /// Adds a sample. Late samples are dropped. When the clock jumps back, the earlier history is discarded.
+  /// Adds a sample. Late samples are dropped. When the clock was set back, the earlier history is discarded, and the
+  /// samples that told are the new one.
   Added add(const OdometrySample& sample);
 
   /// Another listener had all odometry until `utime`, us: samples missing between there and the first sample are a gap,
@@ -84,8 +87,7 @@ class OdometryHistory {
   [[nodiscard]] bool is_clock_step(std::size_t i, std::size_t known) const;
   [[nodiscard]] Pose beyond(std::size_t last, std::int64_t utime) const;
   std::deque<OdometrySample> samples_;
-  std::int64_t late_ = 0;  // us, the last late sample since one that was in time
-  int agreeing_ = 0;       // late samples in a row that continue each other
+  std::deque<OdometrySample> late_;  // the latest, in a row, that continue each other; none since one was in time
   std::int64_t begin_ = 0;
   std::int64_t horizon_ = std::numeric_limits<std::int64_t>::max();
 };

@@ -30,6 +30,14 @@ bool PacketIntake::is_from_second_lidar(const lidar_points_t& packet) const {
          packet.utime - last_->utime < kRestart;
 }
 
+bool PacketIntake::is_from_log(const lidar_points_t& packet) {
+  const bool is_old = last_ && !is_next(packet.packet, last_->number) && last_->utime - packet.utime > kLongAgo;
+  long_ago_ = is_old ? long_ago_ + 1 : 0;
+  if (!is_old || long_ago_ >= kClockWasSet) return false;
+  refused_ = last_->utime;
+  return true;
+}
+
 /// Drops held packets of another driver: the packet follows the last one that was passed on and is later than packets
 /// that wait behind a gap with higher numbers, so those are not of the same driver.
 void PacketIntake::drop_held_of_second_lidar(const lidar_points_t& packet) {
@@ -43,6 +51,7 @@ void PacketIntake::drop_held_of_second_lidar(const lidar_points_t& packet) {
 
 void PacketIntake::add(const lidar_points_t& packet, const Handler& handler) {
   if (packet.utime <= 0) return handler(packet);  // the receiver refuses it
+  if (is_from_log(packet)) return counters_.add("refused.second_lidar");
   newest_ = packet.utime;
   if (is_from_second_lidar(packet)) {
     refused_ = packet.utime;
@@ -146,7 +155,9 @@ void PacketIntake::release(const Handler& handler) {
 
 void PacketIntake::add_faults(std::vector<std::string>& faults) const {
   if (second_lidar_ != 0 && newest_ - second_lidar_ < 1'000'000)
-    faults.emplace_back("two LiDARs send on LIDAR_POINTS, and one is mapped: give the other a `channel` of its own");
+    faults.emplace_back(
+        "two LiDARs send on LIDAR_POINTS, and one is mapped: give the other a `channel` of its own, or "
+        "end the log that is played into the bus");
 }
 
 std::optional<MissingMessages> PacketIntake::missing() const {

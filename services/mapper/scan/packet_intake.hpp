@@ -21,7 +21,9 @@ namespace curbstone::mapper::scan {
 ///
 /// Two drivers on one channel would mix the scans of two LiDARs. Their sequence numbers reveal it: they go back while
 /// time goes on, and no driver restarts within kRestart. Only one of the two is passed on. They are a fault if they
-/// alternate: a driver that was killed and started again at once only loses what it sends within kRestart.
+/// alternate: a driver that was killed and started again at once only loses what it sends within kRestart. Packets of
+/// more than kLongAgo before, which do not go on from the last one, are of a log that is played into the bus, unless
+/// kClockWasSet come in a row.
 ///
 /// Counters: refused.second_lidar, lidar.resent (missing packets that came again), lidar.not_resent (gaps that were
 /// given up).
@@ -30,6 +32,8 @@ class PacketIntake {
   using Handler = std::function<void(const lidar_points_t&)>;
   static constexpr std::int64_t kPatience = 1'000'000;  ///< us
   static constexpr std::int64_t kRestart = 50'000;      ///< us, from a driver's last packet to its successor's first
+  static constexpr std::int64_t kLongAgo = 5'000'000;   ///< us
+  static constexpr int kClockWasSet = 400;              ///< packets, half a second and more than any burst
   static constexpr std::size_t kMaxHeld = 3000;         ///< packets, 18 MB; newer ones are requested later
 
   PacketIntake(Publisher& bus, const std::string& requester, const std::string& channel)
@@ -62,6 +66,7 @@ class PacketIntake {
     std::int64_t utime;  // us
   };
   [[nodiscard]] bool is_from_second_lidar(const lidar_points_t& packet) const;
+  [[nodiscard]] bool is_from_log(const lidar_points_t& packet);
   void drop_held_of_second_lidar(const lidar_points_t& packet);
   [[nodiscard]] bool is_gap_before(const lidar_points_t& packet) const;
   [[nodiscard]] std::deque<lidar_points_t>::iterator place_of(std::int32_t number);
@@ -78,6 +83,7 @@ class PacketIntake {
   std::int64_t newest_ = 0;
   std::int64_t refused_ = 0;  // us, newest refused packet: of a second LiDAR, or of a driver that has just restarted
   std::int64_t second_lidar_ = 0;  // us, newest of a second LiDAR
+  int long_ago_ = 0;               // packets in a row that may be of a log
   std::int64_t ticked_ = 0;        // us
   std::int64_t waited_ = 0;        // us, since a missing packet last came, or since the gap was found
   Counters counters_;

@@ -8,7 +8,7 @@
 namespace curbstone {
 namespace {
 
-struct Sample {
+struct StampedSample {
   std::int64_t utime;
 };
 
@@ -17,9 +17,11 @@ class SettlingStartTest : public ::testing::Test {
   void pass(std::int64_t utime, std::int64_t received, std::int64_t earlier = 0) {
     start_.pass({utime}, received, earlier, send_);
   }
-  SettlingStart<Sample> start_;
+  SettlingStart<StampedSample> start_;
   std::vector<std::int64_t> sent_;
-  std::function<void(const Sample&)> send_ = [this](const Sample& sample) { sent_.push_back(sample.utime); };
+  std::function<void(const StampedSample&)> send_ = [this](const StampedSample& sample) {
+    sent_.push_back(sample.utime);
+  };
 };
 
 TEST_F(SettlingStartTest, WhatCameFirstWaitsAndIsPutEarlierByWhatComesLater) {

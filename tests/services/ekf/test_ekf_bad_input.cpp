@@ -65,7 +65,7 @@ TEST_F(EkfNodeTest, GarbageIsCountedAndChangesNothing) {
   const NodeReport report = dirty.node.report();
   for (const char* name : {"refused.not_finite.imu", "refused.absurd.imu", "refused.stamp.imu",
                            "refused.not_finite.wheels", "refused.absurd.wheels", "refused.stamp.wheels",
-                           "dropped.duplicate.imu", "dropped.stray_stamp.imu", "dropped.duplicate.wheels"}) {
+                           "dropped.duplicate.imu", "refused.second_sender.imu", "dropped.duplicate.wheels"}) {
     EXPECT_GT(report.counters[name], 100) << name;
   }
 }
@@ -77,6 +77,36 @@ imu_t clipped(imu_t sample, double range, bool flagged) {
     rate = std::clamp(rate, -range, range);
   }
   return sample;
+}
+
+/// A second driver of another device on the channel, or a log of an hour ago that is played into the bus.
+TEST_F(EkfNodeTest, ASecondSenderOfAChannelIsNotUsedAndIsAFault) {
+  for (const std::int64_t later : {3'000LL, -3'600'000'000LL}) {
+    Rig clean(config_), mixed(config_);
+    for (std::size_t i = 0; i < drive_.imu.size(); ++i) {
+      send(clean, i);
+      send(mixed, i);
+      if (i < 500) continue;
+      imu_t imu = message_of(drive_.imu[i], static_cast<std::int32_t>(i) + 70'000);
+      wheels_t wheels = message_of(drive_.wheels[i], static_cast<std::int32_t>(i) - 400);
+      imu.utime += later;
+      wheels.utime += later;
+      imu.angular_rate[2] += 1.0;
+      wheels.angle[0] += 300.0;
+      mixed.send("IMU", imu);
+      mixed.send("WHEELS", wheels);
+    }
+    EXPECT_THAT(mixed.node.report().faults,
+                ElementsAre(HasSubstr("IMU: two programs send it"), HasSubstr("WHEELS: two programs send it")));
+    clean.finish();
+    mixed.finish();
+    EXPECT_TRUE(clean.bytes == mixed.bytes) << later;
+    const Counters counters = mixed.node.report().counters;
+    const auto others = static_cast<std::int64_t>(drive_.imu.size()) - 500;
+    EXPECT_EQ(counters["refused.second_sender.imu"], others);
+    EXPECT_EQ(counters["refused.second_sender.wheels"], others);
+    EXPECT_EQ(counters["lost.imu"] + counters["lost.wheels"], 0);
+  }
 }
 
 TEST_F(EkfNodeTest, SamplesThatClipAreAsIfLost) {

@@ -79,7 +79,9 @@ std::int32_t drive_with(const TrueDrive& drive, const catalogue::Fault& fault, r
     if (!start) start = event->log_utime;
     t = static_cast<double>(event->log_utime - *start) * 1e-6;
     if (t < fault.from && event->channel == "LIDAR_POINTS") revolution = revolution_of(*event);
+    std::optional<LogEvent> second = messages.second(t, *event);
     if (messages.apply(t, *event)) order.push(std::move(*event));
+    if (second) order.push(std::move(*second));
     while (auto ready = order.pop(false)) deliver(std::move(*ready));
     if (t < looked + kLookEvery) continue;
     looked = t;

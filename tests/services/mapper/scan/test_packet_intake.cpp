@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 #include <vector>
 
@@ -289,6 +290,43 @@ TEST_F(PacketIntakeTest, OfTwoLidarsOnOneChannelOneIsHandedOnAndBothAreNamed) {
     intake.add_faults(faults);
     EXPECT_THAT(faults, IsEmpty()) << "a second later";
   }
+}
+
+/// lcm-logplayer with a log of the same LiDAR, on a busy host: its packets come in bursts.
+TEST_F(PacketIntakeTest, ALogThatIsPlayedIntoTheBusChangesNothingAndIsNamed) {
+  for (const std::int32_t other : {-1'000, 50'000, 3'000}) {
+    PacketIntake intake(bus_, "mapper", "LIDAR_POINTS");
+    std::vector<std::int32_t> passed;
+    const auto handler = [&](const lidar_points_t& m) { passed.push_back(m.packet); };
+    for (std::int32_t i = 1'000; i < 4'000; ++i) {
+      intake.add(packet(i), handler);
+      for (std::int32_t k = i - 100; i % 100 == 0 && i > 2'000 && k < i; ++k) {
+        lidar_points_t old = packet(k);
+        old.packet += other;
+        old.utime -= 3'600'000'000;
+        intake.add(old, handler);
+      }
+      if (i % 15 == 0) intake.tick(kStart + i * kStep, handler);
+    }
+    EXPECT_THAT(passed, SizeIs(3'000)) << other;
+    EXPECT_TRUE(std::is_sorted(passed.begin(), passed.end()));
+    std::vector<std::string> faults;
+    intake.add_faults(faults);
+    EXPECT_THAT(faults, SizeIs(1)) << other;
+  }
+}
+
+TEST_F(PacketIntakeTest, ADriverThatRestartsWhileTheClockIsSetBackIsSoonUsed) {
+  PacketIntake intake(bus_, "mapper", "LIDAR_POINTS");
+  int passed = 0;
+  const auto handler = [&](const lidar_points_t&) { ++passed; };
+  for (std::int32_t i = 1'000; i < 2'000; ++i) intake.add(packet(i), handler);
+  for (std::int32_t i = 0; i < 1'000; ++i) {
+    lidar_points_t m = packet(i);
+    m.utime -= 3'600'000'000;
+    intake.add(m, handler);
+  }
+  EXPECT_EQ(passed, 2'000 - (PacketIntake::kClockWasSet - 1));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "tools/bench/sensor_faults/catalogue/host_clock_faults.hpp"
 #include "tools/bench/sensor_faults/catalogue/imu_faults.hpp"
 #include "tools/bench/sensor_faults/catalogue/lidar_faults.hpp"
+#include "tools/bench/sensor_faults/catalogue/second_sender_faults.hpp"
 #include "tools/bench/sensor_faults/catalogue/surroundings_faults.hpp"
 #include "tools/bench/sensor_faults/catalogue/vehicle_file_faults.hpp"
 #include "tools/bench/sensor_faults/catalogue/wheel_faults.hpp"
@@ -14,8 +15,9 @@ namespace curbstone::bench::sensor_faults::catalogue {
 
 std::vector<Fault> all_faults() {
   std::vector<Fault> all;
-  for (auto* faults : {vehicle_file_faults, wheel_faults, imu_faults, lidar_mount_faults, lidar_stamp_faults,
-                       lidar_return_faults, lidar_sight_faults, host_clock_faults, surroundings_faults}) {
+  for (auto* faults :
+       {vehicle_file_faults, wheel_faults, imu_faults, lidar_mount_faults, lidar_stamp_faults, lidar_return_faults,
+        lidar_sight_faults, host_clock_faults, second_sender_faults, surroundings_faults}) {
     for (Fault& fault : faults()) all.push_back(std::move(fault));
   }
   return all;

@@ -18,10 +18,14 @@ template <class Message>
 using Change = std::function<bool(double t, Message& message)>;
 
 /// What a fault does to the messages of a replay. An empty function leaves the sensor's messages as they are.
+/// `second_`: makes of each message that of a second sender, which follows on the same channel.
 struct Changes {
   Change<lidar_points_t> lidar{};
   Change<imu_t> imu{};
   Change<wheels_t> wheels{};
+  Change<lidar_points_t> second_lidar{};
+  Change<imu_t> second_imu{};
+  Change<wheels_t> second_wheels{};
 };
 
 constexpr double kOnTheWay = 15.0;  ///< s: the vehicle drives by then, and all that is learned at the start is learned
@@ -29,7 +33,7 @@ constexpr double kFromTheBeginning = 0.0;  ///< s: it is mounted, wired or confi
 
 /// A fault of a sensor, of its mounting or of what is around the vehicle.
 struct Fault {
-  std::string sensor;  ///< "wheels", "IMU", "LiDAR", "host clock", "surroundings", "vehicle file"
+  std::string sensor;  ///< "wheels", "IMU", "LiDAR", "host clock", "bus", "surroundings", "vehicle file"
   std::string name;    ///< a few words, unique
   std::string words;   ///< what happens, in a line
   double from = 0;     ///< s of the drive

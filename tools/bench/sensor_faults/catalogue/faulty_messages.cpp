@@ -1,6 +1,7 @@
 #include "tools/bench/sensor_faults/catalogue/faulty_messages.hpp"
 
 #include <stdexcept>
+#include <utility>
 
 #include "common/bus/decode.hpp"
 
@@ -20,6 +21,12 @@ bool apply_to(const Change<Message>& change, double t, LogEvent& event) {
   return true;
 }
 
+template <class Message>
+std::optional<LogEvent> second_of(const Change<Message>& change, double t, const LogEvent& event) {
+  LogEvent other = event;
+  return change && apply_to(change, t, other) ? std::optional(std::move(other)) : std::nullopt;
+}
+
 }  // namespace
 
 bool FaultyMessages::apply(double t, LogEvent& event) {
@@ -28,6 +35,14 @@ bool FaultyMessages::apply(double t, LogEvent& event) {
   if (event.channel == "IMU") return apply_to(changes_.imu, t, event);
   if (event.channel == "WHEELS") return apply_to(changes_.wheels, t, event);
   return true;
+}
+
+std::optional<LogEvent> FaultyMessages::second(double t, const LogEvent& event) {
+  if (t < from_) return std::nullopt;
+  if (event.channel == "LIDAR_POINTS") return second_of(changes_.second_lidar, t, event);
+  if (event.channel == "IMU") return second_of(changes_.second_imu, t, event);
+  if (event.channel == "WHEELS") return second_of(changes_.second_wheels, t, event);
+  return std::nullopt;
 }
 
 }  // namespace curbstone::bench::sensor_faults::catalogue

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "common/log/log_reader.hpp"
 #include "tools/bench/sensor_faults/catalogue/fault.hpp"
 
@@ -14,6 +16,8 @@ class FaultyMessages {
   /// Changes a LIDAR_POINTS, IMU or WHEELS in place; other channels stay as they are. `t`: s since the drive's first
   /// message. Returns false if the message is not sent. Throws std::runtime_error if it cannot be decoded.
   [[nodiscard]] bool apply(double t, LogEvent& event);
+  /// What a second sender sends beside a message, if there is one. Throws as apply().
+  [[nodiscard]] std::optional<LogEvent> second(double t, const LogEvent& event);
 
  private:
   Changes changes_;

@@ -47,7 +47,9 @@ std::vector<std::vector<std::uint8_t>> sent(const Fault& fault, double first_t) 
   std::vector<std::vector<std::uint8_t>> bytes;
   double t = first_t;
   for (LogEvent& event : some_events(kEvents)) {
+    const std::optional<LogEvent> second = messages.second(t, event);
     if (messages.apply(t, event)) bytes.push_back(event.bytes);
+    if (second) bytes.push_back(second->bytes);
     t += 15.0 / (3 * kEvents);
   }
   return bytes;
@@ -55,13 +57,15 @@ std::vector<std::vector<std::uint8_t>> sent(const Fault& fault, double first_t) 
 
 TEST(SensorFaultCatalogue, NamesAreUniqueAndSaySomething) {
   std::set<std::string> names;
-  const std::set<std::string> sensors = {"vehicle file", "wheels", "IMU", "LiDAR", "host clock", "surroundings"};
+  const std::set<std::string> sensors = {"vehicle file", "wheels", "IMU", "LiDAR", "host clock", "bus", "surroundings"};
   for (const Fault& fault : all_faults()) {
     EXPECT_TRUE(names.insert(fault.name).second) << fault.name;
     EXPECT_TRUE(sensors.contains(fault.sensor)) << fault.name;
     EXPECT_FALSE(fault.words.empty()) << fault.name;
     const Changes changes = fault.make();
-    EXPECT_TRUE(changes.lidar || changes.imu || changes.wheels || !fault.settings.empty()) << fault.name;
+    EXPECT_TRUE(changes.lidar || changes.imu || changes.wheels || changes.second_lidar || changes.second_imu ||
+                changes.second_wheels || !fault.settings.empty())
+        << fault.name;
   }
 }
 
@@ -80,6 +84,15 @@ TEST(SensorFaultCatalogue, EachReplayGetsTheSameFault) {
     const auto first = sent(fault, fault.from);
     EXPECT_EQ(sent(fault, fault.from), first) << fault.name;
     EXPECT_EQ(first == unchanged, !fault.settings.empty()) << fault.name;
+  }
+}
+
+TEST(SensorFaultCatalogue, ASecondSendersMessagesFollowUnchangedOnes) {
+  const auto unchanged = sent(Fault{}, 0);
+  for (const char* name : {"second LiDAR", "second IMU", "second encoder"}) {
+    const auto both = sent(fault_named(name), 20);
+    ASSERT_EQ(both.size(), 4U * kEvents) << name;
+    for (std::size_t i = 0; i < unchanged.size(); i += 50) EXPECT_THAT(both, testing::Contains(unchanged[i])) << name;
   }
 }
 
