@@ -33,6 +33,10 @@ double Ldlt<N>::least_pivot() const {
   return ldlt_.info() == Eigen::Success ? ldlt_.vectorD().minCoeff() : 0.0;
 }
 
+SmallMatrix inverse_of_symmetric(const SmallMatrix& A) {
+  return solution(Eigen::LDLT<SmallMatrix>(A), SmallMatrix::Identity(A.rows(), A.rows()));
+}
+
 template <int N>
 std::optional<SquareMatrix<N>> cholesky_root(const SquareMatrix<N>& A) {
   const Eigen::LLT<SmallMatrix> llt(A);

@@ -35,6 +35,10 @@ class Ldlt {
   Eigen::LDLT<SmallMatrix> ldlt_;
 };
 
+/// The inverse of a symmetric, positive semi-definite matrix of any size up to kMaxRows, by L D L^T; zero in the
+/// directions in which the matrix is zero. Only the lower triangle is read.
+[[nodiscard]] SmallMatrix inverse_of_symmetric(const SmallMatrix& A);
+
 /// The upper U with U^T U = A of a symmetric A; nothing where A is not positive definite.
 template <int N>
 [[nodiscard]] std::optional<SquareMatrix<N>> cholesky_root(const SquareMatrix<N>& A);

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "common/geometry/gravity.hpp"
 #include "tools/calibrate/calibration_noise.hpp"
@@ -135,13 +136,23 @@ struct AccelerometerAgainstLidar {
   static constexpr std::array kKinds = {kSpeed, kSpeed, kSpeed};
 };
 
-template <std::size_t N>
-struct Prior {
-  std::array<double, N> mean, sigma;
+/// Derivatives by so many parameters at a time, for all residuals alike: the functions above are compiled for one
+/// number instead of each residual's own, which takes much of the time of this file.
+inline constexpr int kDerivatives = 4;
+
+/// A residual of `Count` blocks of parameters, as Ceres asks for it where their number is not of the type.
+template <class Functor, std::size_t Count>
+struct Listed {
+  Functor functor;
   template <class T>
-  bool operator()(const T* x, T* residual) const {
-    for (std::size_t i = 0; i < N; ++i) residual[i] = (x[i] - mean[i]) / sigma[i];
-    return true;
+  bool operator()(T const* const* parameters, T* residual) const {
+    return call(parameters, residual, std::make_index_sequence<Count>());
+  }
+
+ private:
+  template <class T, std::size_t... I>
+  bool call(T const* const* parameters, T* residual, std::index_sequence<I...>) const {
+    return functor(parameters[I]..., residual);
   }
 };
 

@@ -1,6 +1,7 @@
 #include "tools/calibrate/calibration_solver.hpp"
 
 #include <ceres/ceres.h>
+#include <ceres/normal_prior.h>
 
 #include <algorithm>
 #include <cmath>
@@ -48,17 +49,11 @@ class CalibrationSolver::Problem {
     add_prior(x_.level, {0.1, 0.1});
     add_prior(x_.camber, {kCamber});
     for (std::size_t i = 0; i < segments.size(); ++i) {
-      add(new ceres::AutoDiffCostFunction<residuals::WheelsAgainstLidar, 6, 3, 6, 1>(
-              new residuals::WheelsAgainstLidar{segments[i], vehicle.track_width, noise_}),
-          residuals::WheelsAgainstLidar::kKinds, x_.wheels.data(), x_.lidar.data(), x_.camber.data());
-      add(new ceres::AutoDiffCostFunction<residuals::GyroAgainstLidar, 3, 6, 6, 3>(
-              new residuals::GyroAgainstLidar{segments[i], noise_}),
-          residuals::GyroAgainstLidar::kKinds, x_.lidar.data(), x_.imu.data(), x_.gyro_bias.data());
+      add(residuals::WheelsAgainstLidar{segments[i], vehicle.track_width, noise_}, x_.wheels, x_.lidar, x_.camber);
+      add(residuals::GyroAgainstLidar{segments[i], noise_}, x_.lidar, x_.imu, x_.gyro_bias);
       if (!segments[i].follows) continue;
-      add(new ceres::AutoDiffCostFunction<residuals::AccelerometerAgainstLidar, 3, 6, 6, 3, 2>(
-              new residuals::AccelerometerAgainstLidar{segments[i - 1], segments[i], noise_}),
-          residuals::AccelerometerAgainstLidar::kKinds, x_.lidar.data(), x_.imu.data(), x_.accelerometer_bias.data(),
-          x_.level.data());
+      add(residuals::AccelerometerAgainstLidar{segments[i - 1], segments[i], noise_}, x_.lidar, x_.imu,
+          x_.accelerometer_bias, x_.level);
     }
   }
 
@@ -115,17 +110,21 @@ class CalibrationSolver::Problem {
 
   template <std::size_t N>
   void add_prior(std::array<double, N>& x, const std::array<double, N>& sigma) {
-    problem_.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<residuals::Prior<N>, static_cast<int>(N), static_cast<int>(N)>(
-            new residuals::Prior<N>{x, sigma}),
-        nullptr, x.data());
+    const Eigen::Map<const Eigen::VectorXd> sigmas(sigma.data(), static_cast<Eigen::Index>(N));
+    const Eigen::Map<const Eigen::VectorXd> means(x.data(), static_cast<Eigen::Index>(N));
+    const Eigen::MatrixXd weights = sigmas.cwiseInverse().asDiagonal();
+    problem_.AddResidualBlock(new ceres::NormalPrior(weights, means), nullptr, x.data());
     std::copy(sigma.begin(), sigma.end(), prior_sigma_.begin() + static_cast<std::ptrdiff_t>(priors_));
     priors_ += N;
   }
-  template <std::size_t N, class... Parameters>
-  void add(ceres::CostFunction* cost, const std::array<NoiseKind, N>& kinds, Parameters*... parameters) {
-    const auto id = problem_.AddResidualBlock(cost, new ceres::CauchyLoss(kRobustWidth), parameters...);
-    blocks_.push_back({id, {kinds.begin(), kinds.end()}});
+  template <class Functor, std::size_t... N>
+  void add(const Functor& functor, std::array<double, N>&... parameters) {
+    using Listed = residuals::Listed<Functor, sizeof...(N)>;
+    auto* cost = new ceres::DynamicAutoDiffCostFunction<Listed, residuals::kDerivatives>(new Listed{functor});
+    (cost->AddParameterBlock(static_cast<int>(N)), ...);
+    cost->SetNumResiduals(static_cast<int>(Functor::kKinds.size()));
+    const auto id = problem_.AddResidualBlock(cost, new ceres::CauchyLoss(kRobustWidth), parameters.data()...);
+    blocks_.push_back({id, {Functor::kKinds.begin(), Functor::kKinds.end()}});
   }
 
   /// From the median of the absolute residuals of each kind, which is robust to outliers.

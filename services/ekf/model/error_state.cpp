@@ -23,10 +23,38 @@ ErrorVector minus(const NavState& to, const NavState& from) {
   return error;
 }
 
+namespace {
+
+/// J M^T, row by row as a sum of columns of M. Most of a Jacobian are zeros, which are left out.
+template <int Rows, int Cols>
+Eigen::Matrix<double, Rows, Cols> times_transposed(const Eigen::Matrix<double, Rows, kErrorSize>& J,
+                                                   const Eigen::Matrix<double, Cols, kErrorSize>& M) {
+  Eigen::Matrix<double, Rows, Cols> out;
+  for (int row = 0; row < Rows; ++row) {
+    Eigen::Matrix<double, Cols, 1> sum = Eigen::Matrix<double, Cols, 1>::Zero();
+    for (int k = 0; k < kErrorSize; ++k)
+      if (J(row, k) != 0.0) sum += J(row, k) * M.col(k);
+    out.row(row) = sum.transpose();
+  }
+  return out;
+}
+
+}  // namespace
+
 template <int Rows>
 Eigen::Matrix<double, Rows, Rows> propagated(const Eigen::Matrix<double, Rows, kErrorSize>& J, const ErrorMatrix& P) {
-  return J * P * J.transpose();
+  return times_transposed<Rows, Rows>(J, times_transposed<Rows, kErrorSize>(J, P));
 }
+
+void propagate_motion(const ErrorMatrix& F, ErrorMatrix& P) {
+  constexpr int kMotion = kGyroBias, kRest = kErrorSize - kMotion;
+  const Eigen::Matrix<double, kMotion, kErrorSize> rows = F.topRows<kMotion>();
+  const Eigen::Matrix<double, kMotion, kErrorSize> FP = times_transposed<kMotion, kErrorSize>(rows, P);
+  P.topLeftCorner<kMotion, kMotion>() = times_transposed<kMotion, kMotion>(rows, FP);
+  P.topRightCorner<kMotion, kRest>() = FP.rightCols<kRest>();
+  P.bottomLeftCorner<kRest, kMotion>() = FP.rightCols<kRest>().transpose();
+}
+
 template Eigen::Matrix<double, 6, 6> propagated(const Eigen::Matrix<double, 6, kErrorSize>& J, const ErrorMatrix& P);
 template ErrorMatrix propagated(const ErrorMatrix& J, const ErrorMatrix& P);
 

@@ -53,14 +53,18 @@ using ErrorMatrix = Eigen::Matrix<double, kErrorSize, kErrorSize>;
 /// The error that takes `from` to `to`: plus(from, minus(to, from)) == to.
 [[nodiscard]] ErrorVector minus(const NavState& to, const NavState& from);
 
-/// Covariance of J error: J P J^T. For 6 and kErrorSize rows, instantiated once: products of this size are among the
-/// slowest to compile.
+/// Covariance of J error: J P J^T for a symmetric P, in the order of the columns and without what J has zeros for: a
+/// fraction of the time of Eigen's general product, to run and to compile. For 6 and kErrorSize rows.
 template <int Rows>
 [[nodiscard]] Eigen::Matrix<double, Rows, Rows> propagated(const Eigen::Matrix<double, Rows, kErrorSize>& J,
                                                            const ErrorMatrix& P);
 extern template Eigen::Matrix<double, 6, 6> propagated(const Eigen::Matrix<double, 6, kErrorSize>& J,
                                                        const ErrorMatrix& P);
 extern template ErrorMatrix propagated(const ErrorMatrix& J, const ErrorMatrix& P);
+
+/// P = F P F^T for an F of which only the rows of position, velocity and attitude differ from the identity, and a
+/// symmetric P.
+void propagate_motion(const ErrorMatrix& F, ErrorMatrix& P);
 
 /// The estimate at a time (us) with the covariance of its error. A plain value: a copy of it is a check point.
 struct Belief {

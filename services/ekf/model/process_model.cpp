@@ -72,7 +72,7 @@ void predict(Belief& belief, const Inertial& imu, double dt, const base::NoiseCo
   const auto by_gyro = F.middleCols<3>(kGyroBias).topRows<9>();
   const auto by_accelerometer = F.middleCols<3>(kAccelerometerBias).topRows<9>();
   ErrorMatrix& P = belief.covariance;
-  P = propagated(F, P);
+  propagate_motion(F, P);
   P.topLeftCorner<9, 9>() +=
       (noise.gyro * noise.gyro / dt) * by_gyro * by_gyro.transpose() +
       (noise.accelerometer * noise.accelerometer / dt) * by_accelerometer * by_accelerometer.transpose();
@@ -90,7 +90,7 @@ void predict_standing(Belief& belief, const Inertial& imu, double dt, const base
   F.block<3, 3>(kPosition, kPosition).setIdentity();
   const auto by_accelerometer = F.middleCols<3>(kAccelerometerBias).topRows<9>();
   ErrorMatrix& P = belief.covariance;
-  P = propagated(F, P);
+  propagate_motion(F, P);
   P.topLeftCorner<9, 9>() +=
       (noise.accelerometer * noise.accelerometer / dt) * by_accelerometer * by_accelerometer.transpose();
   add_random_walks(P, dt, noise);
@@ -110,7 +110,7 @@ void predict_coasting(Belief& belief, double yaw_rate, double dt, const base::No
   F.block<3, 3>(kPosition, kVelocity) = dt * R;
   F.block<3, 3>(kPosition, kAttitude) = -dt * R * skew(belief.mean.velocity);
   ErrorMatrix& P = belief.covariance;
-  P = propagated(F, P);
+  propagate_motion(F, P);
   const double turning = noise.coasting_rate * noise.coasting_rate * dt;
   const double speeding = noise.coasting_acceleration * noise.coasting_acceleration * dt;
   P.diagonal().segment<3>(kAttitude).array() += turning;

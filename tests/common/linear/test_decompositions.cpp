@@ -43,6 +43,16 @@ TEST(Ldlt, SolvesAndInvertsAtEverySize) {
   expect_solved<6>();
 }
 
+TEST(InverseOfSymmetric, IsThatOfAnySizeAndReadsTheLowerTriangleOnly) {
+  std::mt19937 random(7);
+  for (int rows = 1; rows <= kMaxRows; ++rows) {
+    const SmallMatrix A = any_positive_definite<kMaxRows>(random).topLeftCorner(rows, rows);
+    const SmallMatrix one = A * inverse_of_symmetric(A);
+    EXPECT_LT((one - SmallMatrix::Identity(rows, rows)).norm(), 1e-9);
+    EXPECT_EQ(inverse_of_symmetric(A.triangularView<Eigen::Lower>()), inverse_of_symmetric(A));
+  }
+}
+
 TEST(Ldlt, ReadsTheLowerTriangleOnly) {
   Eigen::Matrix2d A;
   A << 4, -99, 1, 3;

@@ -21,6 +21,34 @@ TEST_F(CorrectionTest, CorrectionEqualsTheInformationForm) {
   EXPECT_EQ((belief.covariance - belief.covariance.transpose()).cwiseAbs().maxCoeff(), 0.0);
 }
 
+TEST_F(CorrectionTest, EveryNumberOfRowsIsCorrectedByJosephsForm) {
+  const ErrorMatrix A = ErrorMatrix::Random();
+  Belief prior;
+  prior.mean = state_;
+  prior.covariance = A * A.transpose() + ErrorMatrix::Identity();
+  const ErrorMatrix& P = prior.covariance;
+  for (int rows = 1; rows <= Observation::kMaxRows; ++rows) {
+    Observation z(rows);
+    z.residual.setRandom();
+    z.H.setRandom();
+    z.H.middleCols<3>(kVelocity).setZero();
+    z.R.setRandom();
+    z.R = (z.R * z.R.transpose()).eval();
+    const Eigen::MatrixXd S = z.H * P * z.H.transpose() + z.R;
+    const Gain K = P * z.H.transpose() * S.inverse();
+    EXPECT_LT((optimal_gain(prior, z) - K).cwiseAbs().maxCoeff(), 1e-9) << rows;
+    EXPECT_NEAR(squared_mahalanobis(prior, z), z.residual.dot(S.inverse() * z.residual), 1e-9);
+
+    const Gain any = 0.5 * K;  // Joseph's form is for every gain
+    Belief belief = prior;
+    correct(belief, z, any);
+    const ErrorMatrix I_KH = ErrorMatrix::Identity() - any * z.H;
+    const ErrorMatrix expected = I_KH * P * I_KH.transpose() + any * z.R * any.transpose();
+    EXPECT_LT((belief.covariance - expected).cwiseAbs().maxCoeff(), 1e-9) << rows;
+    EXPECT_LT((minus(belief.mean, state_) - any * z.residual).norm(), 1e-9) << rows;
+  }
+}
+
 TEST_F(CorrectionTest, TheGuardedGainMovesThePositionByTheGyrosBiasAlone) {
   Belief belief;
   belief.mean = state_;
