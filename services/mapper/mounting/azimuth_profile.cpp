@@ -16,8 +16,8 @@ constexpr std::size_t kMinRanges = 300;
 constexpr std::size_t kSearchRanges = 500;  // ranges that a search uses; all are used to refine
 constexpr double kNearUsual = 1.2;          // times the usual residual
 
-/// The bin of a direction. The arctangent is a polynomial, good to 1e-4 rad. Nothing is computed on a condition: then
-/// it is computed of several directions side by side.
+/// The bin of a direction. The arctangent is a polynomial, good to 1e-4 rad, without branches: directions come in no
+/// order that a processor could foresee.
 int bin_of(float px, float py) {
   const float x = std::abs(px);
   const float y = std::abs(py);
