@@ -108,6 +108,7 @@ class RealLogOnSocketCan : public EncoderOnSocketCan {
   void SetUp() override {
     config_.configure = false;
     config_.signals = {SignalKind::kCounts, "202 0|8@1+", "202 8|8@1+"};
+    config_.max_speed = 10;  // rad/s: half of what a counter of 8 bits can tell
     drive_on_ = false;
     EncoderOnSocketCan::SetUp();
   }
