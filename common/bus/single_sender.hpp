@@ -27,15 +27,15 @@ class SingleSender {
 
   /// Returns whether the message is to be used.
   [[nodiscard]] bool accept(std::int64_t utime, std::int32_t number);
-  /// Another sender's messages alternate with those of the one in use, kTwo or more in the last second.
-  [[nodiscard]] bool two_send() const { return others_ >= kTwo; }
+  /// Another sender's messages alternate with those of the one in use, kFewest or more in the last second.
+  [[nodiscard]] bool two_send() const { return others_ >= kFewest; }
 
  private:
   struct Last {
     std::int64_t utime;
     std::int32_t number;
   };
-  static constexpr int kTwo = 3;
+  static constexpr int kFewest = 3;  // messages: one stray message is no second sender
 
   [[nodiscard]] bool is_own(std::int64_t utime, std::int32_t number) const;
   [[nodiscard]] bool has_gone(std::int64_t utime) const;
@@ -43,11 +43,11 @@ class SingleSender {
 
   int gone_;
   std::optional<Last> last_;  // of the sender in use
-  bool numbered_ = false;
-  double period_ = 0;       // us; 0: not known yet
-  int refused_ = 0;         // since last_
-  int others_ = 0;          // refused between two of the sender's own, none more than a second apart
-  std::int64_t other_ = 0;  // stamp of the sender's own message after the latest of those
+  bool numbered_ = false;     // its numbers count up
+  double period_ = 0;         // us; 0: not known yet
+  int refused_ = 0;           // since the sender's own latest message
+  int others_ = 0;            // of another sender, between two of its own, in the last second
+  std::int64_t other_ = 0;    // us, stamp of its own message after the latest of those
 };
 
 }  // namespace curbstone

@@ -20,6 +20,7 @@ namespace curbstone::localizer {
 namespace {
 
 constexpr std::size_t kMaxPending = 80;  // revolutions that wait for odometry; 20 Hz: 4 s
+constexpr int kLidarGone = 400;          // packets in a row of another LiDAR: half a second, more than any burst
 constexpr double kSteadyFor = 0.5;       // s for which the last motion is assumed to continue without odometry
 constexpr double kMaxSpeed = 40.0;       // m/s: faster odometry has started anew
 constexpr double kMaxTurn = 6.0;         // rad/s
@@ -30,7 +31,7 @@ constexpr double kUnknown = 1000.0;      // m and rad, 1 sigma of an unknown pos
 }  // namespace
 
 LocalizerNode::LocalizerNode(const LocalizerConfig& config, Publisher& bus)
-    : config_(config), bus_(bus), file_(config.map), global_localizer_(config.tracking) {
+    : config_(config), bus_(bus), file_(config.map), lidar_(kLidarGone), global_localizer_(config.tracking) {
   if (!config_.start.empty() && config_.start.size() != 3)
     throw ConfigError(fmt::format("localizer.start: expected X, Y, YAW or none, got {} numbers", config_.start.size()));
   if (config_.method == Method::kMonteCarlo && config_.start.empty())

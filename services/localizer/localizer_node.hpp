@@ -62,9 +62,8 @@ class LocalizerNode final : public Node {
   semantic_map::store::MapReader file_;
   bool is_checked_ = false;  // every tile was read once
   std::optional<fields::SavedMap> map_;
-  std::int32_t epoch_ = 0;                 // of the map
-  static constexpr int kLidarBurst = 400;  // packets, half a second and more than any burst
-  SingleSender lidar_{kLidarBurst};
+  std::int32_t epoch_ = 0;  // of the map
+  SingleSender lidar_;
   mapper::scan::LidarClock clock_;
   mapper::scan::ScanAssembler assembler_;
   mapper::scan::OdometryHistory odometry_;

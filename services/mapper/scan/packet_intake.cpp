@@ -30,12 +30,8 @@ bool PacketIntake::is_from_second_lidar(const lidar_points_t& packet) const {
          packet.utime - last_->utime < kRestart;
 }
 
-bool PacketIntake::is_from_log(const lidar_points_t& packet) {
-  const bool is_old = last_ && !is_next(packet.packet, last_->number) && last_->utime - packet.utime > kLongAgo;
-  long_ago_ = is_old ? long_ago_ + 1 : 0;
-  if (!is_old || long_ago_ >= kClockWasSet) return false;
-  refused_ = last_->utime;
-  return true;
+bool PacketIntake::is_of_long_ago(const lidar_points_t& packet) const {
+  return last_ && !is_next(packet.packet, last_->number) && last_->utime - packet.utime > kLongAgo;
 }
 
 /// Drops held packets of another driver: the packet follows the last one that was passed on and is later than packets
@@ -51,7 +47,11 @@ void PacketIntake::drop_held_of_second_lidar(const lidar_points_t& packet) {
 
 void PacketIntake::add(const lidar_points_t& packet, const Handler& handler) {
   if (packet.utime <= 0) return handler(packet);  // the receiver refuses it
-  if (is_from_log(packet)) return counters_.add("refused.second_lidar");
+  if (is_of_long_ago(packet) && ++long_ago_ < kClockWasSet) {
+    refused_ = last_->utime;
+    return counters_.add("refused.second_lidar");
+  }
+  long_ago_ = 0;
   newest_ = packet.utime;
   if (is_from_second_lidar(packet)) {
     refused_ = packet.utime;

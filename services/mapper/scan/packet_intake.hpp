@@ -66,7 +66,7 @@ class PacketIntake {
     std::int64_t utime;  // us
   };
   [[nodiscard]] bool is_from_second_lidar(const lidar_points_t& packet) const;
-  [[nodiscard]] bool is_from_log(const lidar_points_t& packet);
+  [[nodiscard]] bool is_of_long_ago(const lidar_points_t& packet) const;
   void drop_held_of_second_lidar(const lidar_points_t& packet);
   [[nodiscard]] bool is_gap_before(const lidar_points_t& packet) const;
   [[nodiscard]] std::deque<lidar_points_t>::iterator place_of(std::int32_t number);
@@ -83,7 +83,7 @@ class PacketIntake {
   std::int64_t newest_ = 0;
   std::int64_t refused_ = 0;  // us, newest refused packet: of a second LiDAR, or of a driver that has just restarted
   std::int64_t second_lidar_ = 0;  // us, newest of a second LiDAR
-  int long_ago_ = 0;               // packets in a row that may be of a log
+  int long_ago_ = 0;               // packets of long ago, in a row
   std::int64_t ticked_ = 0;        // us
   std::int64_t waited_ = 0;        // us, since a missing packet last came, or since the gap was found
   Counters counters_;
