@@ -47,11 +47,13 @@ void PacketIntake::drop_held_of_second_lidar(const lidar_points_t& packet) {
 
 void PacketIntake::add(const lidar_points_t& packet, const Handler& handler) {
   if (packet.utime <= 0) return handler(packet);  // the receiver refuses it
-  if (is_of_long_ago(packet) && ++long_ago_ < kClockWasSet) {
+  if (!is_of_long_ago(packet)) {
+    long_ago_ = 0;
+  } else if (long_ago_ + 1 < kClockWasSet) {
+    ++long_ago_;
     refused_ = last_->utime;
     return counters_.add("refused.second_lidar");
   }
-  long_ago_ = 0;
   newest_ = packet.utime;
   if (is_from_second_lidar(packet)) {
     refused_ = packet.utime;
