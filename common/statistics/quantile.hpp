@@ -25,7 +25,7 @@ std::size_t partition_by(std::span<double> values, double pivot, Less less) {
   return before;
 }
 
-/// The value that would be at `rank` if they were sorted. As std::nth_element(), whose branches cost three times this.
+/// The value that would be at `rank` if they were sorted. As std::nth_element(), which branches at each value.
 inline double select_in_place(std::span<double> values, std::size_t rank) {
   constexpr std::size_t kFew = 12;
   constexpr int kRounds = 40;  // of what rarely takes ten: pivots may be bad
