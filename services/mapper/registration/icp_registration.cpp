@@ -15,7 +15,6 @@ namespace {
 constexpr double kIndependence = 1.0 / 25;
 
 constexpr std::size_t kCoarseStride = 4;  // one point in four is used until the pose has settled, then all are
-constexpr std::size_t kAhead = 8;         // points that are prefetched
 constexpr double kRematch = 0.01;         // m: correspondences are searched again once the pose has moved this far,
 constexpr double kRematchTurn = 0.001;    // rad: or turned this far
 constexpr double kSettledBounds = 5;      // of the kernel's bound: once steps are smaller, all points are used
@@ -52,28 +51,18 @@ void IcpRegistration::match(const std::vector<scan::LidarPoint>& source, std::si
   matches_.clear();
   const Eigen::Matrix3d R = T_map_base.linear();
   const double sensor_variance = config_.sensor_sigma * config_.sensor_sigma;
-  // The map is larger than the CPU's caches: the voxels of points further on are prefetched.
-  struct Sought {
-    Eigen::Vector3d p;
-    ShapeLevel::Place place;
-  };
-  std::array<Sought, kAhead> ahead;
-  const auto look_ahead = [&](std::size_t i) {
-    if (i >= source.size()) return;
-    Sought& sought = ahead[i / stride % kAhead];
-    sought.p = T_map_base * source[i].position.cast<double>();
-    sought.place = map_.place_of(sought.p);
-  };
-  for (std::size_t i = 0; i < kAhead * stride; i += stride) look_ahead(i);
-  for (std::size_t i = 0; i < source.size(); i += stride) {
-    const scan::LidarPoint& point = source[i];
-    const auto [p, place] = ahead[i / stride % kAhead];
-    look_ahead(i + kAhead * stride);
-    const MapShape* plane = map_.plane_at(p, place, reach);
-    if (plane == nullptr) continue;
-    const Eigen::Vector3d n = plane->axis.cast<double>();
-    matches_.add(point.position, (R.transpose() * n).cast<float>(), n.dot(p - plane->mean),
-                 sensor_variance + static_cast<double>(plane->variance));
+  std::array<Eigen::Vector3d, ShapeLevel::kTogether> in_map;
+  std::array<const MapShape*, ShapeLevel::kTogether> planes;
+  for (std::size_t begin = 0; begin < source.size(); begin += ShapeLevel::kTogether * stride) {
+    const std::size_t size = std::min(ShapeLevel::kTogether, (source.size() - begin + stride - 1) / stride);
+    for (std::size_t k = 0; k < size; ++k) in_map[k] = T_map_base * source[begin + k * stride].position.cast<double>();
+    map_.planes_at({in_map.data(), size}, reach, {planes.data(), size});
+    for (std::size_t k = 0; k < size; ++k) {
+      if (planes[k] == nullptr) continue;
+      const Eigen::Vector3d n = planes[k]->axis.cast<double>();
+      matches_.add(source[begin + k * stride].position, (R.transpose() * n).cast<float>(),
+                   n.dot(in_map[k] - planes[k]->mean), sensor_variance + static_cast<double>(planes[k]->variance));
+    }
   }
 }
 

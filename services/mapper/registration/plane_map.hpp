@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "common/geometry/geometry.hpp"
@@ -19,14 +20,10 @@ class PlaneMap {
 
   explicit PlaneMap(const Options& options);
 
-  /// The place of a point (map, m) in the fine level: see ShapeLevel::place_of().
-  [[nodiscard]] ShapeLevel::Place place_of(const Eigen::Vector3d& point) const { return fine_.place_of(point); }
-  /// The finest plane within reach of the point (map, m). If no plane is within reach, one that is out of reach;
-  /// nullptr if there is none at all. The pointer is valid until the next insert().
-  [[nodiscard]] const MapShape* plane_at(const Eigen::Vector3d& point, const ShapeLevel::Place& place, double reach);
-  [[nodiscard]] const MapShape* plane_at(const Eigen::Vector3d& point, double reach) {
-    return plane_at(point, place_of(point), reach);
-  }
+  /// The finest plane within reach of each point (map, m). If no plane is within reach, one that is out of reach;
+  /// nullptr if there is none at all. The pointers are valid until the next insert().
+  void planes_at(std::span<const Eigen::Vector3d> points, double reach, std::span<const MapShape*> planes);
+  [[nodiscard]] const MapShape* plane_at(const Eigen::Vector3d& point, double reach);
   /// Adds the points of a scan. `points` and the position `lidar` are in base_link, m.
   void insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base, const Eigen::Vector3f& lidar);
   /// Drops everything farther than `radius` m (in any axis) from `centre`.

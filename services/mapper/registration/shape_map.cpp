@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "common/linear/decompositions.hpp"
 
@@ -26,25 +27,57 @@ std::uint32_t ShapeLevel::new_voxel() {
   return voxel;
 }
 
-void ShapeLevel::insert(const Eigen::Vector3d& point, const Eigen::Vector3f& ray) {
-  const Eigen::Vector3i cell = voxels::voxel_of(point, inverse_size_);
-  std::uint32_t& place = index_.place(cell);
-  if (place == voxels::BlockIndex::kNone) place = new_voxel();
-  Moments& m = moments_[place];
+void ShapeLevel::insert(std::span<const Eigen::Vector3d> points, std::span<const Eigen::Vector3f> rays) {
+  std::array<Place, kTogether> places;
+  for (std::size_t begin = 0; begin < points.size(); begin += kTogether) {
+    const auto now = points.subspan(begin, std::min(kTogether, points.size() - begin));
+    search(now, places);
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      if (places[i].voxel != voxels::BlockIndex::kNone) __builtin_prefetch(&moments_[places[i].voxel], 1);
+    }
+    for (std::size_t i = 0; i < now.size(); ++i) add(now[i], rays[begin + i], places[i]);
+  }
+}
+
+void ShapeLevel::add(const Eigen::Vector3d& point, const Eigen::Vector3f& ray, Place place) {
+  if (place.voxel == voxels::BlockIndex::kNone) {  // or a point before this one has made it
+    std::uint32_t& voxel = index_.place(place.cell);
+    if (voxel == voxels::BlockIndex::kNone) voxel = new_voxel();
+    place.voxel = voxel;
+  }
+  Moments& m = moments_[place.voxel];
   if (m.first[0] >= static_cast<float>(options_.capacity)) return;
-  const Eigen::Vector3f d = (point - centre_of(cell)).cast<float>();
+  const Eigen::Vector3f d = (point - centre_of(place.cell)).cast<float>();
   m.first += Eigen::Array4f(1, d.x(), d.y(), d.z());
   m.squares += Eigen::Array4f(d.x() * d.x(), d.y() * d.y(), d.z() * d.z(), d.x() * d.y());
   m.rest += Eigen::Array4f(d.x() * d.z(), d.y() * d.z(), ray.x(), ray.y());
   m.rays_z += ray.z();
 }
 
-ShapeLevel::Place ShapeLevel::place_of(const Eigen::Vector3d& point) const {
+void ShapeLevel::search(std::span<const Eigen::Vector3d> points, std::span<Place> places) const {
+  std::array<std::uint32_t, kTogether> blocks;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    places[i].cell = voxels::voxel_of(points[i], inverse_size_);
+    index_.prefetch_search(places[i].cell);
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    blocks[i] = index_.block(places[i].cell);
+    index_.prefetch_in(blocks[i], places[i].cell);
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) places[i].voxel = index_.find_in(blocks[i], places[i].cell);
+}
+
+void ShapeLevel::find(std::span<const Eigen::Vector3d> points, std::span<Place> places) const {
+  search(points, places);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (places[i].voxel != voxels::BlockIndex::kNone) __builtin_prefetch(&fitted_[places[i].voxel]);
+  }
+}
+
+const MapShape* ShapeLevel::shape_at(const Eigen::Vector3d& point) {
   Place place;
-  place.cell = voxels::voxel_of(point, inverse_size_);
-  place.voxel = index_.find(place.cell);
-  if (place.voxel != voxels::BlockIndex::kNone) __builtin_prefetch(&fitted_[place.voxel]);
-  return place;
+  find({&point, 1}, {&place, 1});
+  return shape_at(point, place);
 }
 
 const MapShape* ShapeLevel::shape_at(const Eigen::Vector3d& point, const Place& place) {
@@ -75,6 +108,23 @@ const MapShape* ShapeLevel::up_to_date(std::uint32_t voxel, const Eigen::Vector3
   return fitted.valid ? &fitted.shape : nullptr;
 }
 
+/// The offset of a voxel from the middle one of 3 x 3 x 3, and its products, four alike where they multiply sums.
+struct ShapeLevel::Offset {
+  explicit Offset(std::size_t number)
+      : Offset(static_cast<float>(number / 9) - 1, static_cast<float>(number / 3 % 3) - 1,
+               static_cast<float>(number % 3) - 1) {}
+  Eigen::Array4f x, y, z;
+  Eigen::Array4f products, mixed_products;  // xx yy zz xy; xz yz
+
+ private:
+  Offset(float dx, float dy, float dz)
+      : x(Eigen::Array4f::Constant(dx)),
+        y(Eigen::Array4f::Constant(dy)),
+        z(Eigen::Array4f::Constant(dz)),
+        products(dx * dx, dy * dy, dz * dz, dx * dy),
+        mixed_products(dx * dz, dy * dz, 0, 0) {}
+};
+
 /// Sums over a 3 x 3 x 3 neighbourhood of voxels. Each voxel's moments are about its own centre, which is -1, 0 or 1
 /// voxel sides from the middle one in each axis. Shifting them to the middle voxel's centre therefore takes only the
 /// differences of the sums on either side, and the counts there.
@@ -84,17 +134,16 @@ struct ShapeLevel::Neighbourhood {
   Eigen::Array4f counts = first, mixed_counts = first;
   float rays_z = 0;
 
-  void add(const Moments& m, int dx, int dy, int dz) {
-    const auto x = static_cast<float>(dx), y = static_cast<float>(dy), z = static_cast<float>(dz);
+  void add(const Moments& m, const Offset& offset) {
     first += m.first;
     squares += m.squares;
     rest += m.rest;
     rays_z += m.rays_z;
-    along_x += x * m.first;
-    along_y += y * m.first;
-    along_z += z * m.first;
-    counts += m.first[0] * Eigen::Array4f(x * x, y * y, z * z, x * y);
-    mixed_counts += m.first[0] * Eigen::Array4f(x * z, y * z, 0, 0);
+    along_x += offset.x * m.first;
+    along_y += offset.y * m.first;
+    along_z += offset.z * m.first;
+    counts += m.first[0] * offset.products;
+    mixed_counts += m.first[0] * offset.mixed_products;
   }
 
   struct Distribution {
@@ -120,8 +169,21 @@ struct ShapeLevel::Neighbourhood {
 };
 
 void ShapeLevel::fit(Fitted& fitted, const Eigen::Vector3i& cell) const {
+  static const std::array<Offset, 27> kOffsets = [&]<std::size_t... I>(std::index_sequence<I...>) {
+    return std::array<Offset, 27>{Offset(I)...};
+  }
+  (std::make_index_sequence<27>());
+  // All voxels are fetched before the first one is read.
+  std::array<std::uint32_t, 27> voxels;
+  std::array<std::uint8_t, 27> offsets;
+  std::size_t size = 0;
+  index_.around(cell, [&](std::uint32_t voxel, int dx, int dy, int dz) {
+    __builtin_prefetch(&moments_[voxel]);
+    voxels[size] = voxel;
+    offsets[size++] = static_cast<std::uint8_t>(9 * dx + 3 * dy + dz + 13);
+  });
   Neighbourhood sum;
-  index_.around(cell, [&](std::uint32_t voxel, int dx, int dy, int dz) { sum.add(moments_[voxel], dx, dy, dz); });
+  for (std::size_t i = 0; i < size; ++i) sum.add(moments_[voxels[i]], kOffsets[offsets[i]]);
   const auto count = static_cast<double>(sum.first[0]);
 
   // A neighbourhood that hardly grew is refitted at ever longer intervals.

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "services/mapper/voxels/block_index.hpp"
@@ -35,8 +37,14 @@ class ShapeLevel {
  public:
   explicit ShapeLevel(const ShapeLevelOptions& options);
 
-  /// `ray`: unit vector from the lidar to the point, in map.
-  void insert(const Eigen::Vector3d& point, const Eigen::Vector3f& ray);
+  /// Points that are looked up together: see find().
+  static constexpr std::size_t kTogether = 64;
+
+  /// Adds points, in order. `rays`: unit vectors from the lidar to them. Both in map.
+  void insert(std::span<const Eigen::Vector3d> points, std::span<const Eigen::Vector3f> rays);
+  void insert(const Eigen::Vector3d& point, const Eigen::Vector3f& ray) {
+    insert(std::span(&point, 1), std::span(&ray, 1));
+  }
   /// To be called after the points of a scan: shapes that were fitted before it may be stale.
   void end_insertion() { ++version_; }
 
@@ -45,12 +53,13 @@ class ShapeLevel {
     Eigen::Vector3i cell = Eigen::Vector3i::Zero();
     std::uint32_t voxel = voxels::BlockIndex::kNone;  // none exists yet
   };
-  /// Looks up the voxel and prefetches its shape, which is requested some points later.
-  [[nodiscard]] Place place_of(const Eigen::Vector3d& point) const;
+  /// The places of up to kTogether points, valid until the next insert(). The map is larger than the CPU's caches:
+  /// each step of the search fetches what the next one reads for all points, at last their shapes.
+  void find(std::span<const Eigen::Vector3d> points, std::span<Place> places) const;
 
   /// The shape of the voxel that holds the point, or of the nearest neighbouring voxel; nullptr if there is none. The
   /// pointer is valid until the next insert().
-  [[nodiscard]] const MapShape* shape_at(const Eigen::Vector3d& point) { return shape_at(point, place_of(point)); }
+  [[nodiscard]] const MapShape* shape_at(const Eigen::Vector3d& point);
   [[nodiscard]] const MapShape* shape_at(const Eigen::Vector3d& point, const Place& place);
 
   /// Drops voxels farther than `radius` m (in any axis) from `centre`, to within 2 voxels.
@@ -65,6 +74,7 @@ class ShapeLevel {
     Eigen::Array4f rest = Eigen::Array4f::Zero();     // sums of xz yz; of the rays' x y
     float rays_z = 0;
   };
+  struct Offset;
   struct Neighbourhood;
   struct alignas(64) Fitted {
     MapShape shape;
@@ -75,6 +85,8 @@ class ShapeLevel {
   };
 
   [[nodiscard]] Eigen::Vector3d centre_of(const Eigen::Vector3i& cell) const;
+  void search(std::span<const Eigen::Vector3d> points, std::span<Place> places) const;
+  void add(const Eigen::Vector3d& point, const Eigen::Vector3f& ray, Place place);
   [[nodiscard]] std::uint32_t new_voxel();
   const MapShape* up_to_date(std::uint32_t voxel, const Eigen::Vector3i& cell);
   void fit(Fitted& fitted, const Eigen::Vector3i& cell) const;
