@@ -1,7 +1,9 @@
 #include "services/mapper/dense_map/dense_map.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 #include <utility>
 
 namespace curbstone::mapper::dense_map {
@@ -15,7 +17,7 @@ constexpr std::size_t kShareByScan = 16;  // divisor: share of the sleeping tile
 constexpr int kFreeSpacePeriod = 4;       // scans between free-space tests of a tile
 constexpr std::int64_t kMinRemovalInterval = 1'000'000;  // us: subscribers recount such a tile's votes
 constexpr double kMaxCoordinate = 90'000;                // m from the start, in either axis
-constexpr std::size_t kPrefetchAhead = 12;               // points ahead for which memory is prefetched
+constexpr std::size_t kTogether = 64;                    // voxels that are looked up together
 constexpr int kMaxStep = 32000;                          // of a point from its tile's origin, up or down
 constexpr std::size_t kMaxMovedAtOnce = 300'000;         // points, within the delay that a pose allows,
 constexpr std::size_t kMaxMovedPerScan = 100'000;        // and within the time of a scan
@@ -64,10 +66,7 @@ std::vector<TileKey> DenseMap::insert(const std::vector<scan::LidarPoint>& point
   base_ = T_map_base.translation();
   up_ = T_map_base.linear().col(2);
   learn(points, T_map_base, utime);
-  for (std::size_t i = 0; i < in_range_.size(); ++i) {
-    if (i + kPrefetchAhead < in_range_.size()) prefetch(in_range_[i + kPrefetchAhead]);
-    hit(in_range_[i], utime, add_new);
-  }
+  hit_all(utime, add_new);
   std::vector<TileKey> grown = settle_all(utime, false);
   if (is_moving()) {
     move_some(kMaxMovedPerScan, grown);
@@ -124,6 +123,7 @@ std::vector<TileKey> DenseMap::clear_free_space(const std::vector<scan::LidarPoi
 /// First pass over the scan: the lowest point of each column, then what stands above it.
 void DenseMap::learn(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base, std::int64_t utime) {
   in_range_.clear();
+  const auto z_origin = static_cast<std::int32_t>(std::lround(base_.z()));
   for (const scan::LidarPoint& point : points) {
     const Eigen::Vector3d p = point.position.cast<double>();
     if (p.head<2>().squaredNorm() > config_.max_range * config_.max_range) continue;
@@ -131,7 +131,7 @@ void DenseMap::learn(const std::vector<scan::LidarPoint>& points, const Pose& T_
     const Eigen::Vector3d in_map = T_map_base * p;
     const auto key = mapped_tile_at(in_map);
     if (!key) continue;
-    DenseTile* const at_key = tiles_.wake_or_make(*key, static_cast<std::int32_t>(std::lround(base_.z())));
+    DenseTile* const at_key = tiles_.wake_or_make(*key, z_origin);
     if (at_key == nullptr) continue;
     DenseTile& tile = *at_key;
     const std::uint8_t intensity = scale_ ? scale_->of(point.ring, point.intensity) : point.intensity;
@@ -143,9 +143,11 @@ void DenseMap::learn(const std::vector<scan::LidarPoint>& points, const Pose& T_
     float& lowest = tile.lowest(place(in_map.x() - key->x * kTileSize), place(in_map.y() - key->y * kTileSize));
     lowest = std::min(lowest, static_cast<float>(in_map.z()));
   }
+  high_.clear();
   for (const Seen& seen : in_range_) {
-    if (seen.position.z() > ground_at(seen.position) + config_.ground_clearance) places_.add_hit(seen.position, utime);
+    if (seen.position.z() > ground_at(seen.position) + config_.ground_clearance) high_.push_back(seen.position);
   }
+  places_.add_hits(high_, utime);
 }
 
 /// The lowest known point in the four columns around, limited by the height that the vehicle's own plane allows for
@@ -157,16 +159,36 @@ double DenseMap::ground_at(const Eigen::Vector3d& point) {
 }
 
 /// Most points are in voxels that already have one: look-ups are scattered in memory, and little is computed for each.
-void DenseMap::prefetch(const Seen& seen) const {
-  if (!seen.in_tile) return;
-  seen.tile->prefetch(seen.voxel);
-  waiting_index_.prefetch(waiting_key(seen.key, seen.voxel));
+/// Each step of the search fetches what the next one reads.
+void DenseMap::hit_all(std::int64_t utime, bool add_new) {
+  struct Open {
+    const Seen* seen;
+    voxels::VoxelKey name;
+    std::uint32_t at;
+  };
+  std::array<Open, kTogether> open;
+  for (std::size_t begin = 0; begin < in_range_.size(); begin += kTogether) {
+    const auto now = std::span<const Seen>(in_range_).subspan(begin, std::min(kTogether, in_range_.size() - begin));
+    for (const Seen& seen : now) {
+      if (seen.in_tile) seen.tile->prefetch(seen.voxel);
+    }
+    std::size_t size = 0;
+    for (const Seen& seen : now) {
+      if (!seen.in_tile || seen.tile->occupied(seen.voxel)) continue;
+      open[size] = {&seen, waiting_key(seen.key, seen.voxel), voxels::FlatIndex::kNone};
+      waiting_index_.prefetch(open[size++].name);
+    }
+    for (std::size_t i = 0; i < size; ++i) {
+      open[i].at = waiting_index_.find(open[i].name);
+      if (open[i].at != voxels::FlatIndex::kNone) __builtin_prefetch(&waiting_[open[i].at], 1);
+    }
+    for (std::size_t i = 0; i < size; ++i) hit(*open[i].seen, open[i].name, open[i].at, utime, add_new);
+  }
 }
 
-void DenseMap::hit(const Seen& seen, std::int64_t utime, bool add_new) {
-  if (!seen.in_tile || seen.tile->occupied(seen.voxel)) return;
-  const voxels::VoxelKey name = waiting_key(seen.key, seen.voxel);
-  std::uint32_t at = waiting_index_.find(name);
+/// A hit in a voxel without a point. `at`: its entry, if it had one a few hits before.
+void DenseMap::hit(const Seen& seen, voxels::VoxelKey name, std::uint32_t at, std::int64_t utime, bool add_new) {
+  if (at == voxels::FlatIndex::kNone) at = waiting_index_.find(name);
   if (at == voxels::FlatIndex::kNone) {
     if (!add_new || tiles_.known_beside(seen.key, *seen.tile, *seen.in_tile)) return;
     at = new_waiting();
@@ -192,48 +214,74 @@ std::uint32_t DenseMap::new_waiting() {
   return at;
 }
 
-bool DenseMap::may_be_moving(const Eigen::Vector3d& point, std::int64_t utime) {
-  if (point.z() > ground_at(point) + config_.ground_clearance) return !places_.is_static(point);
-  return places_.moving_above(point, utime);
+bool DenseMap::is_due(const Waiting& waiting, std::int64_t utime, bool last_call) const {
+  if (last_call) return true;
+  if (waiting.hits < config_.settle_hits && utime - waiting.first < settle_us_) return false;
+  // Held voxels are tested in turns: a place cannot count as static before a second anyway.
+  return !waiting.held || (static_cast<std::uint32_t>(round_) + waiting.voxel) % kHeldEvery == 0;
 }
 
-/// Whether the voxel stops waiting: it was added to the map or dropped.
-bool DenseMap::settle(Waiting& waiting, std::int64_t utime, bool last_call) {
-  if (!last_call && waiting.hits < config_.settle_hits && utime - waiting.first < settle_us_) return false;
-  // Held voxels are tested in turns: a place cannot count as static before a second anyway.
-  if (!last_call && waiting.held && (static_cast<std::uint32_t>(round_) + waiting.voxel) % kHeldEvery != 0)
-    return false;
+/// The point of a waiting voxel, which is held from now on.
+DenseMap::Due DenseMap::due(std::uint32_t at) {
+  Waiting& waiting = waiting_[at];
   waiting.held = true;
-  DenseTile* tile = tiles_.wake(waiting.tile);
-  if (tile == nullptr) return true;
+  Due due{at, tiles_.wake(waiting.tile), {}, Eigen::Vector3d::Zero(), false};
+  if (due.tile == nullptr) return due;
   const auto mean = [&](int sum) {  // rounded down, so that it stays inside the voxel
     return static_cast<std::int16_t>(sum >= 0 ? sum / waiting.hits : -((-sum + waiting.hits - 1) / waiting.hits));
   };
-  const TilePoint point{mean(waiting.sum.x()), mean(waiting.sum.y()), mean(waiting.sum.z()),
-                        static_cast<std::uint8_t>(waiting.intensity / std::max(waiting.lit, 1))};
-  const Eigen::Vector3d in_map =
-      corner_of(waiting.tile, *tile) + kPositionStep * Eigen::Vector3d(point.x, point.y, point.z);
-  if (may_be_moving(in_map, waiting.last)) {
+  due.point = {mean(waiting.sum.x()), mean(waiting.sum.y()), mean(waiting.sum.z()),
+               static_cast<std::uint8_t>(waiting.intensity / std::max(waiting.lit, 1))};
+  due.in_map =
+      corner_of(waiting.tile, *due.tile) + kPositionStep * Eigen::Vector3d(due.point.x, due.point.y, due.point.z);
+  due.is_high = due.in_map.z() > ground_at(due.in_map) + config_.ground_clearance;
+  return due;
+}
+
+bool DenseMap::may_be_moving(const Due& due, std::int64_t utime) const {
+  return due.is_high ? !places_.is_static(due.in_map) : places_.moving_above(due.in_map, utime);
+}
+
+/// Whether the voxel stops waiting: it was added to the map or dropped.
+bool DenseMap::settle(const Due& due, std::int64_t utime, bool last_call) {
+  if (due.tile == nullptr) return true;
+  const Waiting& waiting = waiting_[due.at];
+  if (may_be_moving(due, waiting.last)) {
     const bool give_up = last_call || utime - waiting.last > kPendingTimeout;
     if (give_up) counters_.add("dense.transient");
     return give_up;
   }
-  tile->append(point, last_call ? waiting.last : utime, anchor_);
-  if (point.intensity == 0) counters_.add("dense.without_intensity");
+  due.tile->append(due.point, last_call ? waiting.last : utime, anchor_);
+  if (due.point.intensity == 0) counters_.add("dense.without_intensity");
   ++size_;
   return true;
 }
 
 std::vector<TileKey> DenseMap::settle_all(std::int64_t utime, bool last_call) {
-  std::vector<TileKey> grown;
+  due_.clear();
   for (std::size_t i = 0; i < waiting_.size(); ++i) {
-    Waiting& waiting = waiting_[i];
-    const std::int64_t size = size_;
-    if (waiting.hits == 0 || !settle(waiting, utime, last_call)) continue;
-    if (size_ != size && (grown.empty() || grown.back() != waiting.tile)) grown.push_back(waiting.tile);
-    waiting_index_.erase(waiting_key(waiting.tile, waiting.voxel));
-    waiting.hits = 0;
-    free_.push_back(static_cast<std::uint32_t>(i));
+    if (waiting_[i].hits > 0 && is_due(waiting_[i], utime, last_call)) due_.push_back(static_cast<std::uint32_t>(i));
+  }
+  std::vector<TileKey> grown;
+  std::array<Due, kTogether> together;
+  for (std::size_t begin = 0; begin < due_.size(); begin += kTogether) {
+    const std::size_t size = std::min(kTogether, due_.size() - begin);
+    for (std::size_t i = 0; i < size; ++i) {
+      together[i] = due(due_[begin + i]);
+      const Waiting& waiting = waiting_[together[i].at];
+      waiting_index_.prefetch(waiting_key(waiting.tile, waiting.voxel));
+      places_.prefetch(together[i].in_map);
+    }
+    for (std::size_t i = 0; i < size; ++i) places_.prefetch_next(together[i].in_map);
+    for (std::size_t i = 0; i < size; ++i) {
+      Waiting& waiting = waiting_[together[i].at];
+      const std::int64_t before = size_;
+      if (!settle(together[i], utime, last_call)) continue;
+      if (size_ != before && (grown.empty() || grown.back() != waiting.tile)) grown.push_back(waiting.tile);
+      waiting_index_.erase(waiting_key(waiting.tile, waiting.voxel));
+      waiting.hits = 0;
+      free_.push_back(together[i].at);
+    }
   }
   sort_and_unite(grown);
   return grown;

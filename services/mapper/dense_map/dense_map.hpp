@@ -112,13 +112,23 @@ class DenseMap {
     std::int64_t first = 0;                         // us
     std::int64_t last = 0;                          // us
   };
+  /// A waiting voxel that may settle now.
+  struct Due {
+    std::uint32_t at;  // in waiting_
+    DenseTile* tile;   // nullptr: it cannot grow
+    TilePoint point;
+    Eigen::Vector3d in_map;  // m, the same point
+    bool is_high;            // clear of the ground
+  };
   void learn(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base, std::int64_t utime);
-  void prefetch(const Seen& seen) const;
-  void hit(const Seen& seen, std::int64_t utime, bool add_new);
+  void hit_all(std::int64_t utime, bool add_new);
+  void hit(const Seen& seen, voxels::VoxelKey name, std::uint32_t at, std::int64_t utime, bool add_new);
   [[nodiscard]] std::uint32_t new_waiting();
   [[nodiscard]] double ground_at(const Eigen::Vector3d& point);
-  [[nodiscard]] bool may_be_moving(const Eigen::Vector3d& point, std::int64_t utime);
-  [[nodiscard]] bool settle(Waiting& waiting, std::int64_t utime, bool last_call);
+  [[nodiscard]] bool is_due(const Waiting& waiting, std::int64_t utime, bool last_call) const;
+  [[nodiscard]] Due due(std::uint32_t at);
+  [[nodiscard]] bool may_be_moving(const Due& due, std::int64_t utime) const;
+  [[nodiscard]] bool settle(const Due& due, std::int64_t utime, bool last_call);
   std::vector<TileKey> settle_all(std::int64_t utime, bool last_call);
   void forget_waiting();
   void move_some(std::size_t most, std::vector<TileKey>& grown);
@@ -143,6 +153,8 @@ class DenseMap {
   FreeSpace free_space_;
   std::vector<TileKey> evicted_;
   std::vector<Seen> in_range_;                      // scratch
+  std::vector<Eigen::Vector3d> high_;               // likewise: positions clear of the ground
+  std::vector<std::uint32_t> due_;                  // likewise: entries of waiting_
   Eigen::Vector3d base_ = Eigen::Vector3d::Zero();  // position of base_link in map
   Eigen::Vector3d up_ = Eigen::Vector3d::UnitZ();   // its z axis
   std::int64_t round_ = 0;                          // scans inserted

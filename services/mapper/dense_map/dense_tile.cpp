@@ -39,14 +39,22 @@ bool NumberSet::is_marked(std::uint32_t number) const {
   return !slots_.empty() && (slots_[place_of(number)] & kMark) != 0;
 }
 
-void NumberSet::insert(std::uint32_t number, bool marked) {
-  if (2 * (size_ + 1) > slots_.size()) {
-    std::vector<std::uint32_t> old(std::max<std::size_t>(64, 2 * slots_.size()));
-    old.swap(slots_);
-    for (const std::uint32_t slot : old) {
-      if (slot != 0) slots_[place_of((slot & ~kMark) - 1)] = slot;
-    }
+void NumberSet::reserve(std::size_t size) {
+  std::size_t capacity = 64;
+  while (capacity < 2 * size) capacity *= 2;
+  if (capacity > slots_.size()) grow(capacity);
+}
+
+void NumberSet::grow(std::size_t capacity) {
+  std::vector<std::uint32_t> old(capacity);
+  old.swap(slots_);
+  for (const std::uint32_t slot : old) {
+    if (slot != 0) slots_[place_of((slot & ~kMark) - 1)] = slot;
   }
+}
+
+void NumberSet::insert(std::uint32_t number, bool marked) {
+  if (2 * (size_ + 1) > slots_.size()) grow(std::max<std::size_t>(64, 2 * slots_.size()));
   std::uint32_t& slot = slots_[place_of(number)];
   if (slot != 0) return;
   ++size_;
@@ -68,15 +76,13 @@ void NumberSet::erase(std::uint32_t number) {
   --size_;
 }
 
-DenseTile::DenseTile(std::int32_t z_origin, int voxel_steps) : z_origin_(z_origin), voxel_steps_(voxel_steps) {
+DenseTile::DenseTile(std::int32_t z_origin, int voxel_steps)
+    : z_origin_(z_origin),
+      per_side_(kStepsPerTile / voxel_steps),
+      floor_steps_((32768 / voxel_steps + 1) * voxel_steps),
+      inverse_(((std::uint64_t{1} << 32) + static_cast<std::uint64_t>(voxel_steps) - 1) /
+               static_cast<std::uint64_t>(voxel_steps)) {
   index_points();
-}
-
-std::uint32_t DenseTile::voxel_number(const TilePoint& point) const {
-  const int per_side = kStepsPerTile / voxel_steps_;
-  const int floor_steps = (32768 / voxel_steps_ + 1) * voxel_steps_;  // below every int16, on the lattice through 0
-  const int layer = (point.z + floor_steps) / voxel_steps_;
-  return static_cast<std::uint32_t>((layer * per_side + point.y / voxel_steps_) * per_side + point.x / voxel_steps_);
 }
 
 void DenseTile::append_record(const TilePoint& record, std::int64_t utime, std::int32_t anchor) {
@@ -226,6 +232,7 @@ void DenseTile::index_points() {
   lowest_.assign(kColumns * kColumns, std::numeric_limits<float>::infinity());
   const std::vector<bool> there = num_removals_ > 0 ? content_.standing() : std::vector<bool>();
   num_passes_.assign(content_.records.size(), kRemoved);
+  if (!content_.records.empty()) occupied_.reserve(num_points());
   for (std::size_t i = 0; i < content_.records.size(); ++i) {
     if (num_removals_ > 0 && !there[i]) continue;
     const TilePoint& point = content_.records[i];

@@ -1,5 +1,7 @@
 #include "services/mapper/dense_map/persistence_filter.hpp"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 namespace curbstone::mapper::dense_map {
@@ -7,6 +9,7 @@ namespace {
 
 constexpr double kSize = 0.2;               // m, horizontally
 constexpr double kHeight = 0.6;             // m
+constexpr std::size_t kHitsTogether = 64;   // hits that are looked up together
 constexpr std::int64_t kBreak = 1'000'000;  // us without a hit, after which the object has left
 
 Eigen::Vector3i cell_of(const Eigen::Vector3d& p) {
@@ -16,13 +19,37 @@ Eigen::Vector3i cell_of(const Eigen::Vector3d& p) {
 
 }  // namespace
 
-void PersistenceFilter::add_hit(const Eigen::Vector3d& point, std::int64_t utime) {
-  const Eigen::Vector3i cell = cell_of(point);
-  std::uint32_t& at = index_.place(cell);
+void PersistenceFilter::add_hits(std::span<const Eigen::Vector3d> points, std::int64_t utime) {
+  std::array<Eigen::Vector3i, kHitsTogether> cells;
+  std::array<std::uint32_t, kHitsTogether> at;  // of the block, then of the place
+  for (std::size_t begin = 0; begin < points.size(); begin += kHitsTogether) {
+    const std::size_t size = std::min(kHitsTogether, points.size() - begin);
+    for (std::size_t i = 0; i < size; ++i) {
+      cells[i] = cell_of(points[begin + i]);
+      index_.prefetch_search(cells[i]);
+    }
+    for (std::size_t i = 0; i < size; ++i) {
+      at[i] = index_.block(cells[i]);
+      index_.prefetch_in(at[i], cells[i]);
+    }
+    for (std::size_t i = 0; i < size; ++i) {
+      at[i] = index_.find_in(at[i], cells[i]);
+      if (at[i] != voxels::BlockIndex::kNone) __builtin_prefetch(&places_[at[i]], 1);
+    }
+    for (std::size_t i = 0; i < size; ++i) add_hit(cells[i], at[i], utime);
+  }
+}
+
+/// `at`: the cell's place, if it had one a few hits before.
+void PersistenceFilter::add_hit(const Eigen::Vector3i& cell, std::uint32_t at, std::int64_t utime) {
   if (at == voxels::BlockIndex::kNone) {
-    at = static_cast<std::uint32_t>(places_.size());
-    places_.push_back({cell, utime, utime});
-    return;
+    std::uint32_t& by_now = index_.place(cell);
+    if (by_now == voxels::BlockIndex::kNone) {
+      by_now = static_cast<std::uint32_t>(places_.size());
+      places_.push_back({cell, utime, utime});
+      return;
+    }
+    at = by_now;
   }
   Place& place = places_[at];
   if (utime - place.last > kBreak) place.first = utime;
@@ -37,14 +64,24 @@ bool PersistenceFilter::is_static(const Eigen::Vector3d& point) const {
 bool PersistenceFilter::moving_above(const Eigen::Vector3d& point, std::int64_t utime) const {
   voxels::BlockIndex::Finder find(index_);
   const Eigen::Vector3i cell = cell_of(point);
-  const int low = voxels::floor_to_int(point.z() / kHeight), high = voxels::floor_to_int((point.z() + 1.0) / kHeight);
-  for (int z = low; z <= high; ++z) {
-    for (const auto& [dx, dy] : {std::pair{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+  const int high = voxels::floor_to_int((point.z() + 1.0) / kHeight);
+  for (const auto& [dx, dy] : {std::pair{0, 0}, {0, 1}, {0, -1}, {1, 0}, {-1, 0}}) {
+    for (int z = cell.z(); z <= high; ++z) {  // mostly beside each other in memory
       const std::uint32_t at = find({cell.x() + dx, cell.y() + dy, z});
       if (at != voxels::BlockIndex::kNone && !is_static(places_[at]) && utime - places_[at].last <= kBreak) return true;
     }
   }
   return false;
+}
+
+void PersistenceFilter::prefetch(const Eigen::Vector3d& point) const {
+  index_.prefetch_search(cell_of(point));
+}
+
+void PersistenceFilter::prefetch_next(const Eigen::Vector3d& point) const {
+  const Eigen::Vector3i cell = cell_of(point);
+  const std::uint32_t at = index_.find(cell);
+  if (at != voxels::BlockIndex::kNone) __builtin_prefetch(&places_[at]);
 }
 
 void PersistenceFilter::forget_before(std::int64_t utime) {

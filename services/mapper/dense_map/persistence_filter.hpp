@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "services/mapper/voxels/block_index.hpp"
@@ -16,13 +17,18 @@ class PersistenceFilter {
   /// `persistence`: us that a place must have been occupied before it counts as static.
   explicit PersistenceFilter(std::int64_t persistence) : persistence_(persistence) {}
 
-  /// Reports a hit at `point` (m, map) at `utime` (us).
-  void add_hit(const Eigen::Vector3d& point, std::int64_t utime);
+  /// Reports hits at `points` (m, map) at `utime` (us).
+  void add_hits(std::span<const Eigen::Vector3d> points, std::int64_t utime);
+  void add_hit(const Eigen::Vector3d& point, std::int64_t utime) { add_hits(std::span(&point, 1), utime); }
   /// Whether the point's place has been occupied for long enough.
   [[nodiscard]] bool is_static(const Eigen::Vector3d& point) const;
   /// Whether something not known to be static was within a metre above the point, or beside that, when the point was
   /// seen: wheels, feet and the lower halves of bumpers are low.
   [[nodiscard]] bool moving_above(const Eigen::Vector3d& point, std::int64_t utime) const;
+  /// Prefetches what these two read first, for a point that they are asked about some points later; then what they
+  /// read next.
+  void prefetch(const Eigen::Vector3d& point) const;
+  void prefetch_next(const Eigen::Vector3d& point) const;
 
   /// Drops places without a hit after `utime`, us.
   void forget_before(std::int64_t utime);
@@ -35,6 +41,7 @@ class PersistenceFilter {
     std::int64_t first;  // us
     std::int64_t last;   // us
   };
+  void add_hit(const Eigen::Vector3i& cell, std::uint32_t at, std::int64_t utime);
   [[nodiscard]] bool is_static(const Place& place) const { return place.last - place.first >= persistence_; }
 
   std::int64_t persistence_;

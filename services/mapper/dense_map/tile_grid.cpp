@@ -133,12 +133,18 @@ double TileGrid::lowest_about(const Eigen::Vector3d& point) {
   double lowest = std::numeric_limits<double>::infinity();
   const int west = voxels::floor_to_int(point.x() * DenseTile::kColumnsPerMetre - 0.5);
   const int south = voxels::floor_to_int(point.y() * DenseTile::kColumnsPerMetre - 0.5);
-  TileKey last;
-  DenseTile* tile = nullptr;
+  TileKey last{tile_of_column(west), tile_of_column(south)};
+  DenseTile* tile = wake(last);
+  const int x = west - last.x * DenseTile::kColumns, y = south - last.y * DenseTile::kColumns;
+  if (x + 1 < DenseTile::kColumns && y + 1 < DenseTile::kColumns) {  // all four in one tile, as most are
+    if (tile == nullptr) return lowest;
+    return static_cast<double>(
+        std::min({tile->lowest(x, y), tile->lowest(x + 1, y), tile->lowest(x, y + 1), tile->lowest(x + 1, y + 1)}));
+  }
   for (int i = 0; i < 4; ++i) {
     const int column = west + (i & 1), row = south + (i >> 1);
     const TileKey key{tile_of_column(column), tile_of_column(row)};
-    if (i == 0 || key != last) tile = wake(key);
+    if (key != last) tile = wake(key);
     last = key;
     if (tile == nullptr) continue;
     const float low = tile->lowest(column - key.x * DenseTile::kColumns, row - key.y * DenseTile::kColumns);
