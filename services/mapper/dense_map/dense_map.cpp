@@ -15,12 +15,12 @@ constexpr std::int64_t kHousekeeping = 64;           // scans between
 constexpr std::uint32_t kHeldEvery = 4;              // scans between tests of a held voxel
 constexpr std::size_t kShareByScan = 16;  // divisor: share of the sleeping tiles that is spilled with each scan
 constexpr int kFreeSpacePeriod = 4;       // scans between free-space tests of a tile
-constexpr std::int64_t kMinRemovalInterval = 1'000'000;  // us: subscribers recount such a tile's votes
-constexpr double kMaxCoordinate = 90'000;                // m from the start, in either axis
-constexpr std::size_t kTogether = 64;                    // voxels that are looked up together
-constexpr int kMaxStep = 32000;                          // of a point from its tile's origin, up or down
-constexpr std::size_t kMaxMovedAtOnce = 300'000;         // points, within the delay that a pose allows,
-constexpr std::size_t kMaxMovedPerScan = 100'000;        // and within the time of a scan
+constexpr std::int64_t kMinRemovalInterval = 1'000'000;          // us: subscribers recount such a tile's votes
+constexpr double kMaxCoordinate = 90'000;                        // m from the start, in either axis
+constexpr std::size_t kTogether = PersistenceFilter::kTogether;  // voxels that are looked up together
+constexpr int kMaxStep = 32000;                                  // of a point from its tile's origin, up or down
+constexpr std::size_t kMaxMovedAtOnce = 300'000;                 // points, within the delay that a pose allows,
+constexpr std::size_t kMaxMovedPerScan = 100'000;                // and within the time of a scan
 
 /// tile_at() of a point within the limits of the map.
 std::optional<TileKey> mapped_tile_at(const Eigen::Vector3d& p) {
@@ -225,7 +225,7 @@ bool DenseMap::is_due(const Waiting& waiting, std::int64_t utime, bool last_call
 DenseMap::Due DenseMap::due(std::uint32_t at) {
   Waiting& waiting = waiting_[at];
   waiting.held = true;
-  Due due{at, tiles_.wake(waiting.tile), {}, Eigen::Vector3d::Zero(), false};
+  Due due{at, tiles_.wake(waiting.tile), {}, Eigen::Vector3d::Zero()};
   if (due.tile == nullptr) return due;
   const auto mean = [&](int sum) {  // rounded down, so that it stays inside the voxel
     return static_cast<std::int16_t>(sum >= 0 ? sum / waiting.hits : -((-sum + waiting.hits - 1) / waiting.hits));
@@ -234,19 +234,14 @@ DenseMap::Due DenseMap::due(std::uint32_t at) {
                static_cast<std::uint8_t>(waiting.intensity / std::max(waiting.lit, 1))};
   due.in_map =
       corner_of(waiting.tile, *due.tile) + kPositionStep * Eigen::Vector3d(due.point.x, due.point.y, due.point.z);
-  due.is_high = due.in_map.z() > ground_at(due.in_map) + config_.ground_clearance;
   return due;
 }
 
-bool DenseMap::may_be_moving(const Due& due, std::int64_t utime) const {
-  return due.is_high ? !places_.is_static(due.in_map) : places_.moving_above(due.in_map, utime);
-}
-
 /// Whether the voxel stops waiting: it was added to the map or dropped.
-bool DenseMap::settle(const Due& due, std::int64_t utime, bool last_call) {
+bool DenseMap::settle(const Due& due, bool may_move, std::int64_t utime, bool last_call) {
   if (due.tile == nullptr) return true;
   const Waiting& waiting = waiting_[due.at];
-  if (may_be_moving(due, waiting.last)) {
+  if (may_move) {
     const bool give_up = last_call || utime - waiting.last > kPendingTimeout;
     if (give_up) counters_.add("dense.transient");
     return give_up;
@@ -264,19 +259,22 @@ std::vector<TileKey> DenseMap::settle_all(std::int64_t utime, bool last_call) {
   }
   std::vector<TileKey> grown;
   std::array<Due, kTogether> together;
+  std::array<PersistenceFilter::Suspect, kTogether> suspects;
+  std::array<bool, kTogether> may_move{};
   for (std::size_t begin = 0; begin < due_.size(); begin += kTogether) {
     const std::size_t size = std::min(kTogether, due_.size() - begin);
     for (std::size_t i = 0; i < size; ++i) {
       together[i] = due(due_[begin + i]);
       const Waiting& waiting = waiting_[together[i].at];
       waiting_index_.prefetch(waiting_key(waiting.tile, waiting.voxel));
-      places_.prefetch(together[i].in_map);
+      const Eigen::Vector3d& point = together[i].in_map;
+      suspects[i] = {point, waiting.last, point.z() > ground_at(point) + config_.ground_clearance};
     }
-    for (std::size_t i = 0; i < size; ++i) places_.prefetch_next(together[i].in_map);
+    places_.may_move(std::span(suspects.data(), size), may_move);
     for (std::size_t i = 0; i < size; ++i) {
       Waiting& waiting = waiting_[together[i].at];
       const std::int64_t before = size_;
-      if (!settle(together[i], utime, last_call)) continue;
+      if (!settle(together[i], may_move[i], utime, last_call)) continue;
       if (size_ != before && (grown.empty() || grown.back() != waiting.tile)) grown.push_back(waiting.tile);
       waiting_index_.erase(waiting_key(waiting.tile, waiting.voxel));
       waiting.hits = 0;

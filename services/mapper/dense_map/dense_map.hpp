@@ -118,7 +118,6 @@ class DenseMap {
     DenseTile* tile;   // nullptr: it cannot grow
     TilePoint point;
     Eigen::Vector3d in_map;  // m, the same point
-    bool is_high;            // clear of the ground
   };
   void learn(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base, std::int64_t utime);
   void hit_all(std::int64_t utime, bool add_new);
@@ -127,8 +126,7 @@ class DenseMap {
   [[nodiscard]] double ground_at(const Eigen::Vector3d& point);
   [[nodiscard]] bool is_due(const Waiting& waiting, std::int64_t utime, bool last_call) const;
   [[nodiscard]] Due due(std::uint32_t at);
-  [[nodiscard]] bool may_be_moving(const Due& due, std::int64_t utime) const;
-  [[nodiscard]] bool settle(const Due& due, std::int64_t utime, bool last_call);
+  [[nodiscard]] bool settle(const Due& due, bool may_move, std::int64_t utime, bool last_call);
   std::vector<TileKey> settle_all(std::int64_t utime, bool last_call);
   void forget_waiting();
   void move_some(std::size_t most, std::vector<TileKey>& grown);

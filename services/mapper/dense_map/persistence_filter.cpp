@@ -9,7 +9,6 @@ namespace {
 
 constexpr double kSize = 0.2;               // m, horizontally
 constexpr double kHeight = 0.6;             // m
-constexpr std::size_t kHitsTogether = 64;   // hits that are looked up together
 constexpr std::int64_t kBreak = 1'000'000;  // us without a hit, after which the object has left
 
 Eigen::Vector3i cell_of(const Eigen::Vector3d& p) {
@@ -20,10 +19,10 @@ Eigen::Vector3i cell_of(const Eigen::Vector3d& p) {
 }  // namespace
 
 void PersistenceFilter::add_hits(std::span<const Eigen::Vector3d> points, std::int64_t utime) {
-  std::array<Eigen::Vector3i, kHitsTogether> cells;
-  std::array<std::uint32_t, kHitsTogether> at;  // of the block, then of the place
-  for (std::size_t begin = 0; begin < points.size(); begin += kHitsTogether) {
-    const std::size_t size = std::min(kHitsTogether, points.size() - begin);
+  std::array<Eigen::Vector3i, kTogether> cells;
+  std::array<std::uint32_t, kTogether> at;  // of the block, then of the place
+  for (std::size_t begin = 0; begin < points.size(); begin += kTogether) {
+    const std::size_t size = std::min(kTogether, points.size() - begin);
     for (std::size_t i = 0; i < size; ++i) {
       cells[i] = cell_of(points[begin + i]);
       index_.prefetch_search(cells[i]);
@@ -74,14 +73,26 @@ bool PersistenceFilter::moving_above(const Eigen::Vector3d& point, std::int64_t 
   return false;
 }
 
-void PersistenceFilter::prefetch(const Eigen::Vector3d& point) const {
-  index_.prefetch_search(cell_of(point));
-}
-
-void PersistenceFilter::prefetch_next(const Eigen::Vector3d& point) const {
-  const Eigen::Vector3i cell = cell_of(point);
-  const std::uint32_t at = index_.find(cell);
-  if (at != voxels::BlockIndex::kNone) __builtin_prefetch(&places_[at]);
+void PersistenceFilter::may_move(std::span<const Suspect> suspects, std::span<bool> may) const {
+  std::array<Eigen::Vector3i, kTogether> cells;
+  std::array<std::uint32_t, kTogether> at;  // of the block, then of the place
+  for (std::size_t i = 0; i < suspects.size(); ++i) {
+    cells[i] = cell_of(suspects[i].point);
+    index_.prefetch_search(cells[i]);
+  }
+  for (std::size_t i = 0; i < suspects.size(); ++i) {
+    at[i] = index_.block(cells[i]);
+    index_.prefetch_in(at[i], cells[i]);
+  }
+  for (std::size_t i = 0; i < suspects.size(); ++i) {
+    at[i] = index_.find_in(at[i], cells[i]);
+    if (at[i] != voxels::BlockIndex::kNone) __builtin_prefetch(&places_[at[i]]);
+  }
+  for (std::size_t i = 0; i < suspects.size(); ++i) {
+    const bool is_known = at[i] != voxels::BlockIndex::kNone;
+    may[i] = suspects[i].is_high ? !(is_known && is_static(places_[at[i]]))
+                                 : moving_above(suspects[i].point, suspects[i].utime);
+  }
 }
 
 void PersistenceFilter::forget_before(std::int64_t utime) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -14,6 +15,7 @@ namespace curbstone::mapper::dense_map {
 /// one thread.
 class PersistenceFilter {
  public:
+  static constexpr std::size_t kTogether = 64;  ///< points that are looked up together
   /// `persistence`: us that a place must have been occupied before it counts as static.
   explicit PersistenceFilter(std::int64_t persistence) : persistence_(persistence) {}
 
@@ -25,10 +27,15 @@ class PersistenceFilter {
   /// Whether something not known to be static was within a metre above the point, or beside that, when the point was
   /// seen: wheels, feet and the lower halves of bumpers are low.
   [[nodiscard]] bool moving_above(const Eigen::Vector3d& point, std::int64_t utime) const;
-  /// Prefetches what these two read first, for a point that they are asked about some points later; then what they
-  /// read next.
-  void prefetch(const Eigen::Vector3d& point) const;
-  void prefetch_next(const Eigen::Vector3d& point) const;
+  /// A point that may be of a moving object: if it is clear of the ground, unless it is_static(), else if something is
+  /// moving_above() it.
+  struct Suspect {
+    Eigen::Vector3d point;  ///< m, map
+    std::int64_t utime;     ///< us, when it was seen
+    bool is_high;           ///< clear of the ground
+  };
+  /// Whether each of up to kTogether points may be of a moving object.
+  void may_move(std::span<const Suspect> suspects, std::span<bool> may) const;
 
   /// Drops places without a hit after `utime`, us.
   void forget_before(std::int64_t utime);

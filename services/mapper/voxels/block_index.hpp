@@ -36,7 +36,7 @@ class BlockIndex {
   [[nodiscard]] std::uint32_t block(const Eigen::Vector3i& cell) const {
     return static_cast<std::uint32_t>(search(block_of(cell)));
   }
-  void prefetch_in(std::uint32_t block, const Eigen::Vector3i& cell) const {
+  [[gnu::always_inline]] void prefetch_in(std::uint32_t block, const Eigen::Vector3i& cell) const {
     __builtin_prefetch(&blocks_[block].places[within(cell.x(), cell.y(), cell.z())]);
   }
   [[nodiscard]] std::uint32_t find_in(std::uint32_t block, const Eigen::Vector3i& cell) const {
