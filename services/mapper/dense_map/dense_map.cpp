@@ -170,13 +170,13 @@ void DenseMap::hit_all(std::int64_t utime, bool add_new) {
   for (std::size_t begin = 0; begin < in_range_.size(); begin += kTogether) {
     const auto now = std::span<const Seen>(in_range_).subspan(begin, std::min(kTogether, in_range_.size() - begin));
     for (const Seen& seen : now) {
-      if (seen.in_tile) seen.tile->prefetch(seen.voxel);
+      if (seen.in_tile) __builtin_prefetch(seen.tile->begin_of_search(seen.voxel));
     }
     std::size_t size = 0;
     for (const Seen& seen : now) {
       if (!seen.in_tile || seen.tile->occupied(seen.voxel)) continue;
       open[size] = {&seen, waiting_key(seen.key, seen.voxel), voxels::FlatIndex::kNone};
-      waiting_index_.prefetch(open[size++].name);
+      __builtin_prefetch(waiting_index_.begin_of_search(open[size++].name));
     }
     for (std::size_t i = 0; i < size; ++i) {
       open[i].at = waiting_index_.find(open[i].name);
@@ -266,7 +266,7 @@ std::vector<TileKey> DenseMap::settle_all(std::int64_t utime, bool last_call) {
     for (std::size_t i = 0; i < size; ++i) {
       together[i] = due(due_[begin + i]);
       const Waiting& waiting = waiting_[together[i].at];
-      waiting_index_.prefetch(waiting_key(waiting.tile, waiting.voxel));
+      __builtin_prefetch(waiting_index_.begin_of_search(waiting_key(waiting.tile, waiting.voxel)));
       const Eigen::Vector3d& point = together[i].in_map;
       suspects[i] = {point, waiting.last, point.z() > ground_at(point) + config_.ground_clearance};
     }

@@ -21,9 +21,9 @@ class NumberSet {
   /// Does nothing if the number is not in the set.
   void erase(std::uint32_t number);
   [[nodiscard]] std::size_t bytes() const { return slots_.capacity() * sizeof(std::uint32_t); }
-  /// Prefetches the slot at which a search for the number begins. Always inlined, as FlatIndex::prefetch().
-  [[gnu::always_inline]] void prefetch(std::uint32_t number) const {
-    if (!slots_.empty()) __builtin_prefetch(&slots_[home_of(number)]);
+  /// The slot at which a search for the number begins, to be prefetched; nullptr if there is none.
+  [[nodiscard]] const void* begin_of_search(std::uint32_t number) const {
+    return slots_.empty() ? nullptr : &slots_[home_of(number)];
   }
 
  private:
@@ -62,8 +62,8 @@ class DenseTile {
     return (layer * per_side + voxels_in(point.y)) * per_side + voxels_in(point.x);
   }
   [[nodiscard]] bool occupied(std::uint32_t voxel) const { return occupied_.contains(voxel); }
-  /// Prefetches for a call of occupied() some points later.
-  [[gnu::always_inline]] void prefetch(std::uint32_t voxel) const { occupied_.prefetch(voxel); }
+  /// What occupied() reads first, to be prefetched.
+  [[nodiscard]] const void* begin_of_search(std::uint32_t voxel) const { return occupied_.begin_of_search(voxel); }
   /// Whether the voxel is occupied, and already was when the tile woke: by an earlier visit.
   [[nodiscard]] bool was_occupied(std::uint32_t voxel) const { return has_slept_ && occupied_.is_marked(voxel); }
   [[nodiscard]] bool has_slept() const { return has_slept_; }

@@ -25,11 +25,11 @@ void PersistenceFilter::add_hits(std::span<const Eigen::Vector3d> points, std::i
     const std::size_t size = std::min(kTogether, points.size() - begin);
     for (std::size_t i = 0; i < size; ++i) {
       cells[i] = cell_of(points[begin + i]);
-      index_.prefetch_search(cells[i]);
+      __builtin_prefetch(index_.begin_of_search(cells[i]));
     }
     for (std::size_t i = 0; i < size; ++i) {
       at[i] = index_.block(cells[i]);
-      index_.prefetch_in(at[i], cells[i]);
+      __builtin_prefetch(index_.address_in(at[i], cells[i]));
     }
     for (std::size_t i = 0; i < size; ++i) {
       at[i] = index_.find_in(at[i], cells[i]);
@@ -78,11 +78,11 @@ void PersistenceFilter::may_move(std::span<const Suspect> suspects, std::span<bo
   std::array<std::uint32_t, kTogether> at;  // of the block, then of the place
   for (std::size_t i = 0; i < suspects.size(); ++i) {
     cells[i] = cell_of(suspects[i].point);
-    index_.prefetch_search(cells[i]);
+    __builtin_prefetch(index_.begin_of_search(cells[i]));
   }
   for (std::size_t i = 0; i < suspects.size(); ++i) {
     at[i] = index_.block(cells[i]);
-    index_.prefetch_in(at[i], cells[i]);
+    __builtin_prefetch(index_.address_in(at[i], cells[i]));
   }
   for (std::size_t i = 0; i < suspects.size(); ++i) {
     at[i] = index_.find_in(at[i], cells[i]);

@@ -58,11 +58,11 @@ void ShapeLevel::search(std::span<const Eigen::Vector3d> points, std::span<Place
   std::array<std::uint32_t, kTogether> blocks;
   for (std::size_t i = 0; i < points.size(); ++i) {
     places[i].cell = voxels::voxel_of(points[i], inverse_size_);
-    index_.prefetch_search(places[i].cell);
+    __builtin_prefetch(index_.begin_of_search(places[i].cell));
   }
   for (std::size_t i = 0; i < points.size(); ++i) {
     blocks[i] = index_.block(places[i].cell);
-    index_.prefetch_in(blocks[i], places[i].cell);
+    __builtin_prefetch(index_.address_in(blocks[i], places[i].cell));
   }
   for (std::size_t i = 0; i < points.size(); ++i) places[i].voxel = index_.find_in(blocks[i], places[i].cell);
 }

@@ -29,15 +29,17 @@ class BlockIndex {
     return blocks_[search(block_of(cell))].places[within(cell.x(), cell.y(), cell.z())];
   }
 
-  /// find() in steps, for many cells at a time: where the index is larger than the CPU's caches, each step prefetches
-  /// what the next one reads. First prefetch_search(), then block(), then prefetch_in(), then find_in(). The number of
-  /// a block, 0 if there is none, is valid until erase_blocks() or clear().
-  void prefetch_search(const Eigen::Vector3i& cell) const { index_.prefetch(voxel_key(block_of(cell))); }
+  /// find() in steps, for many cells at a time: where the index is larger than the CPU's caches, the caller prefetches
+  /// what the next step reads. begin_of_search() is what block() reads, address_in() what find_in() reads. The number
+  /// of a block, 0 if there is none, is valid until erase_blocks() or clear().
+  [[nodiscard]] const void* begin_of_search(const Eigen::Vector3i& cell) const {
+    return index_.begin_of_search(voxel_key(block_of(cell)));
+  }
   [[nodiscard]] std::uint32_t block(const Eigen::Vector3i& cell) const {
     return static_cast<std::uint32_t>(search(block_of(cell)));
   }
-  [[gnu::always_inline]] void prefetch_in(std::uint32_t block, const Eigen::Vector3i& cell) const {
-    __builtin_prefetch(&blocks_[block].places[within(cell.x(), cell.y(), cell.z())]);
+  [[nodiscard]] const void* address_in(std::uint32_t block, const Eigen::Vector3i& cell) const {
+    return &blocks_[block].places[within(cell.x(), cell.y(), cell.z())];
   }
   [[nodiscard]] std::uint32_t find_in(std::uint32_t block, const Eigen::Vector3i& cell) const {
     return blocks_[block].places[within(cell.x(), cell.y(), cell.z())];

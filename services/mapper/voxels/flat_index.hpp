@@ -52,9 +52,9 @@ class FlatIndex {
     }
   }
 
-  /// Prefetches the slot at which a search for the key begins; other keys can be searched meanwhile. Always inlined: to
-  /// GCC a function that only prefetches has no effect, and it drops calls of such functions.
-  [[gnu::always_inline]] void prefetch(VoxelKey key) const { __builtin_prefetch(&slots_[home(key)]); }
+  /// The slot at which a search for the key begins, to be prefetched. (To GCC a function that only prefetches has no
+  /// effect: it drops the calls.)
+  [[nodiscard]] const void* begin_of_search(VoxelKey key) const { return &slots_[home(key)]; }
 
   /// Returns the key's value; if it has none, stores `value` and returns kNone.
   std::uint32_t find_or_insert(VoxelKey key, std::uint32_t value) {

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <random>
+#include <vector>
+
 #include "tests/stamps.hpp"
 
 namespace curbstone::mapper::dense_map {
@@ -67,6 +71,38 @@ TEST(PersistenceFilter, OldOnesAreForgotten) {
   EXPECT_FALSE(places.is_static(kSpot));
   places.clear();
   EXPECT_FALSE(places.is_static(-kSpot));
+}
+
+TEST(PersistenceFilter, PointsTogetherAreThePointsOneByOne) {
+  PersistenceFilter together(kSecond), single(kSecond);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> along(-4, 4), up(0, 3);
+  const auto points = [&] {
+    std::vector<Eigen::Vector3d> all(1000);
+    for (Eigen::Vector3d& point : all) point = {along(random), along(random), up(random)};
+    return all;
+  };
+  std::int64_t utime = 0;
+  for (; utime < 3 * kSecond; utime += kSecond / 2) {
+    const std::vector<Eigen::Vector3d> hits = points();
+    together.add_hits(hits, utime);
+    for (const Eigen::Vector3d& hit : hits) single.add_hit(hit, utime);
+  }
+  ASSERT_EQ(together.size(), single.size());
+  std::array<PersistenceFilter::Suspect, PersistenceFilter::kTogether> suspects;
+  std::array<bool, PersistenceFilter::kTogether> may{};
+  int number = 0, moving = 0;
+  for (int round = 0; round < 20; ++round) {
+    const std::vector<Eigen::Vector3d> at = points();
+    for (std::size_t i = 0; i < suspects.size(); ++i) suspects[i] = {at[i], utime, ++number % 2 == 0};
+    together.may_move(suspects, may);
+    for (std::size_t i = 0; i < suspects.size(); ++i) {
+      ASSERT_EQ(may[i], suspects[i].is_high ? !single.is_static(at[i]) : single.moving_above(at[i], utime));
+      moving += may[i] ? 1 : 0;
+    }
+  }
+  EXPECT_GT(moving, number / 10);
+  EXPECT_LT(moving, number * 9 / 10);
 }
 
 }  // namespace

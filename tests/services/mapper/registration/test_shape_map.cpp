@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <random>
+#include <span>
+#include <vector>
 
 namespace curbstone::mapper::registration {
 namespace {
@@ -48,6 +52,50 @@ TEST(ShapeLevel, KeepsWhatIsNear) {
   EXPECT_EQ(level.size(), 1000);
   level.keep_around({500, 0, 0}, 100);
   EXPECT_NEAR(static_cast<double>(level.size()), 200, 2);
+}
+
+/// Points about the origin, several in many voxels, with gaps.
+struct Cloud {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Eigen::Vector3f> rays;
+
+  explicit Cloud(unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> along(-6, 6), off(-0.02, 0.02);
+    for (int i = 0; i < 5000; ++i) {
+      const double x = along(random), y = along(random);
+      points.emplace_back(x, y, (x > 2 ? 0.2 * x : 0.0) + off(random));
+      rays.push_back(Eigen::Vector3d(x - 10, y, -2).cast<float>().normalized());
+    }
+  }
+};
+
+TEST(ShapeLevel, PointsTogetherAreThePointsOneByOne) {
+  ShapeLevel together{ShapeLevelOptions{}}, single{ShapeLevelOptions{}};
+  for (const unsigned seed : {1U, 2U}) {
+    const Cloud cloud(seed);
+    together.insert(cloud.points, cloud.rays);
+    for (std::size_t i = 0; i < cloud.points.size(); ++i) single.insert(cloud.points[i], cloud.rays[i]);
+    together.end_insertion(), single.end_insertion();
+  }
+  ASSERT_EQ(together.size(), single.size());
+  const Cloud sought(3);
+  std::array<ShapeLevel::Place, ShapeLevel::kTogether> places;
+  std::size_t found = 0;
+  for (std::size_t begin = 0; begin + places.size() <= sought.points.size(); begin += places.size()) {
+    together.find(std::span(sought.points).subspan(begin, places.size()), places);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const MapShape* const here = together.shape_at(sought.points[begin + i], places[i]);
+      const MapShape* const there = single.shape_at(sought.points[begin + i]);
+      ASSERT_EQ(here == nullptr, there == nullptr);
+      if (here == nullptr) continue;
+      ++found;
+      ASSERT_EQ(here->mean, there->mean);
+      ASSERT_EQ(here->axis, there->axis);
+      ASSERT_EQ(here->variance, there->variance);
+    }
+  }
+  EXPECT_GT(found, 1000U);
 }
 
 }  // namespace

@@ -75,5 +75,17 @@ TEST(BlockIndex, ForgetsBlocksAndSaysWhatWasInThem) {
   EXPECT_EQ(cells.index.place({-3, 0, 0}), BlockIndex::kNone);  // and can be had again
 }
 
+TEST(BlockIndex, FindsInStepsWhatItFindsAtOnce) {
+  const ScatteredCells cells;
+  for (int x = -12; x <= 12; ++x) {
+    for (int y = -12; y <= 12; ++y) {
+      for (int z = -12; z <= 12; ++z) {
+        const Eigen::Vector3i cell(x, y, z);
+        ASSERT_EQ(cells.index.find_in(cells.index.block(cell), cell), cells.expected(x, y, z));
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace curbstone::mapper::voxels
