@@ -36,46 +36,40 @@ int bin_of(float px, float py) {
   return bin < AzimuthProfile::kBins - 1 ? bin : AzimuthProfile::kBins - 1;
 }
 
-/// Points high enough to be no ground, by columns: what is computed of each of them is computed side by side. (Point by
-/// point, directions and heights branch in ways that nobody foresees.)
-struct UprightPoints {
-  Eigen::ArrayXf x, y, z;  ///< m, in base_link
-  std::vector<std::uint8_t> ring;
-  Eigen::Index size = 0;
-
-  explicit UprightPoints(const std::vector<scan::LidarPoint>& points) : ring(points.size() + 1) {
-    const auto most = static_cast<Eigen::Index>(points.size()) + 1;  // one more, to be written over
-    for (Eigen::ArrayXf* column : {&x, &y, &z}) column->resize(most);
-    for (const scan::LidarPoint& point : points) {
-      x[size] = point.position.x();
-      y[size] = point.position.y();
-      z[size] = point.position.z();
-      ring[static_cast<std::size_t>(size)] = point.ring;
-      size += point.position.z() > kUpright ? 1 : 0;
-    }
-    for (Eigen::ArrayXf* column : {&x, &y, &z}) column->conservativeResize(size);
-  }
-};
-
 }  // namespace
 
-AzimuthProfile::AzimuthProfile(const std::vector<scan::LidarPoint>& points, const Pose& T_there_base,
-                               const Eigen::Vector3d& lidar) {
-  const Eigen::Matrix2f R = T_there_base.linear().topLeftCorner<2, 2>().cast<float>();
-  const Eigen::Vector2f t = (T_there_base.translation() - lidar).head<2>().cast<float>();
+/// With one branch, for heights come in no order that a processor could foresee.
+UprightPoints::UprightPoints(const std::vector<scan::LidarPoint>& points, const Eigen::Vector3d& lidar)
+    : lidar_(lidar), ring_(points.size() + 1) {
+  const auto most = static_cast<Eigen::Index>(points.size()) + 1;  // one more, to be written over
+  x_.resize(most), y_.resize(most);
   const Eigen::Vector2f from = lidar.head<2>().cast<float>();
-  const UprightPoints upright(points);
+  Eigen::Index size = 0;
+  for (const scan::LidarPoint& point : points) {
+    const Eigen::Vector3f& p = point.position;
+    if (!(p.z() > kUpright)) continue;
+    const float dx = p.x() - from.x(), dy = p.y() - from.y();
+    const float away = std::sqrt(dx * dx + dy * dy);
+    x_[size] = p.x();
+    y_[size] = p.y();
+    ring_[static_cast<std::size_t>(size)] = point.ring;
+    size += static_cast<int>(p.z() > kUpright + kSlope * away) & static_cast<int>(away > kNear) &
+            static_cast<int>(away < kFar);
+  }
+  x_.conservativeResize(size), y_.conservativeResize(size);
+}
+
+AzimuthProfile::AzimuthProfile(const UprightPoints& points, const Pose& T_there_base) {
+  const Eigen::Matrix2f R = T_there_base.linear().topLeftCorner<2, 2>().cast<float>();
+  const Eigen::Vector2f t = (T_there_base.translation() - points.lidar_).head<2>().cast<float>();
   // Roots are taken one by one: those of Eigen's arrays are not exact.
-  const Eigen::ArrayXf away2 = (upright.x - from.x()).square() + (upright.y - from.y()).square();
-  const Eigen::ArrayXf x = R(0, 0) * upright.x + R(0, 1) * upright.y + t.x();
-  const Eigen::ArrayXf y = R(1, 0) * upright.x + R(1, 1) * upright.y + t.y();
+  const Eigen::ArrayXf x = R(0, 0) * points.x_ + R(0, 1) * points.y_ + t.x();
+  const Eigen::ArrayXf y = R(1, 0) * points.x_ + R(1, 1) * points.y_ + t.y();
   const Eigen::ArrayXf ranges2 = x.square() + y.square();
-  Eigen::ArrayXi bins(upright.size);
+  Eigen::ArrayXi bins(x.size());
   std::transform(x.data(), x.data() + x.size(), y.data(), bins.data(), bin_of);
-  for (Eigen::Index i = 0; i < upright.size; ++i) {
-    const float away = std::sqrt(away2[i]);
-    if (!(upright.z[i] > kUpright + kSlope * away && away > kNear && away < kFar)) continue;
-    const std::size_t row = static_cast<std::size_t>(upright.ring[static_cast<std::size_t>(i)]) * kBins;
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    const std::size_t row = static_cast<std::size_t>(points.ring_[static_cast<std::size_t>(i)]) * kBins;
     if (ranges_.size() < row + kBins) ranges_.resize(row + kBins);
     const std::size_t at = row + static_cast<std::size_t>(bins[i]);
     float& range = ranges_[at];

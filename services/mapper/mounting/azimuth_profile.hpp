@@ -10,6 +10,20 @@
 
 namespace curbstone::mapper::mounting {
 
+/// The points of a scan from which profiles are made: those too high to be ground, neither near the LiDAR nor far from
+/// it. Profiles of one scan share them. A value, pure.
+class UprightPoints {
+ public:
+  /// `points`: de-skewed, in base_link; `lidar`: its position there, m.
+  UprightPoints(const std::vector<scan::LidarPoint>& points, const Eigen::Vector3d& lidar);
+
+ private:
+  friend class AzimuthProfile;
+  Eigen::Vector3d lidar_;
+  Eigen::ArrayXf x_, y_;  // m, in base_link: by columns, so that what is computed of them is computed side by side
+  std::vector<std::uint8_t> ring_;
+};
+
 /// Horizontal range from the LiDAR to what stands beside the vehicle, for each laser and azimuth. Comparing two
 /// profiles gives the turn between two scans directly: no map, no surfaces, and trunks and crowns of trees serve as
 /// well as walls. A value, pure.
@@ -19,8 +33,10 @@ class AzimuthProfile {
   static constexpr double kBin = 2 * std::numbers::pi / kBins;  ///< rad
   static constexpr int kMaxTurn = 48;                           ///< bins, largest turn that is searched for
 
-  /// `points`: de-skewed, in base_link. The profile is seen from `lidar` (m) in the frame that `T_there_base` leads to.
-  AzimuthProfile(const std::vector<scan::LidarPoint>& points, const Pose& T_there_base, const Eigen::Vector3d& lidar);
+  /// The profile is seen from the LiDAR's position in the frame that `T_there_base` leads to.
+  AzimuthProfile(const UprightPoints& points, const Pose& T_there_base);
+  AzimuthProfile(const std::vector<scan::LidarPoint>& points, const Pose& T_there_base, const Eigen::Vector3d& lidar)
+      : AzimuthProfile(UprightPoints(points, lidar), T_there_base) {}
 
   /// Number of laser and azimuth pairs with a range.
   [[nodiscard]] std::size_t size() const { return seen_.size(); }

@@ -35,11 +35,12 @@ bool is_turn(const AzimuthProfile::Turn& turn) {
 MountYaw::Result MountYaw::add(const Observation& look) {
   if (look.utime <= utime_ || look.utime - utime_ > kLongestPause) interrupt();
   utime_ = look.utime;
-  earlier_.push_back({look.T_odom_base, AzimuthProfile(*look.points, Pose::Identity(), lidar_)});
+  const UprightPoints upright(*look.points, lidar_);
+  earlier_.push_back({look.T_odom_base, AzimuthProfile(upright, Pose::Identity())});
   if (earlier_.size() <= kScanOffset) return as_before();
   Earlier earlier = std::move(earlier_.front());
   earlier_.pop_front();
-  const auto turn = turn_since(earlier, look);
+  const auto turn = turn_since(earlier, upright, look);
   if (!turn) {
     interrupt();
     return as_before();
@@ -50,7 +51,7 @@ MountYaw::Result MountYaw::add(const Observation& look) {
       if (scan.turns && !scan.creeps) return begin_to_doubt(std::move(earlier));
       break;
     case State::kInDoubt:
-      if (still_ >= kMinStillScans) return end_doubt(look);
+      if (still_ >= kMinStillScans) return end_doubt(upright, look);
       if (utime_ - unsure_since_ > kPatience) return give_up(look.turn_confirmed && !scan.creeps);
       break;
     case State::kOdometry:
@@ -101,9 +102,9 @@ MountYaw::Result MountYaw::begin_to_doubt(Earlier before) {
 }
 
 /// The LiDAR is still again: what counts is how far it has turned since before.
-MountYaw::Result MountYaw::end_doubt(const Observation& look) {
+MountYaw::Result MountYaw::end_doubt(const UprightPoints& upright, const Observation& look) {
   state_ = State::kFirm;
-  const auto since = turn_since(*std::exchange(before_, {}), look);
+  const auto since = turn_since(*std::exchange(before_, {}), upright, look);
   if (!since || !is_turn(*since)) return Result::kStable;
   while (!turns_.empty() && std::abs(utime_ - turns_.front()) > kShakeSpan) turns_.pop_front();
   if (turns_.empty()) quiet_yaw_ = yaw_;
@@ -142,8 +143,9 @@ MountYaw::Result MountYaw::settle() {
   return Result::kStable;
 }
 
-std::optional<AzimuthProfile::Turn> MountYaw::turn_since(const Earlier& earlier, const Observation& look) const {
-  const AzimuthProfile there(*look.points, earlier.T_odom_base.inverse() * look.T_odom_base, lidar_);
+std::optional<AzimuthProfile::Turn> MountYaw::turn_since(const Earlier& earlier, const UprightPoints& upright,
+                                                         const Observation& look) const {
+  const AzimuthProfile there(upright, earlier.T_odom_base.inverse() * look.T_odom_base);
   return there.turn_since(earlier.profile, shakes() ? 0 : usual_);
 }
 

@@ -75,10 +75,11 @@ class MountYaw {
     bool still = false;   ///< far less than that
     bool creeps = false;  ///< it had turned gradually, before: not in its mount
   };
-  [[nodiscard]] std::optional<AzimuthProfile::Turn> turn_since(const Earlier& earlier, const Observation& look) const;
+  [[nodiscard]] std::optional<AzimuthProfile::Turn> turn_since(const Earlier& earlier, const UprightPoints& upright,
+                                                               const Observation& look) const;
   Comparison note(const AzimuthProfile::Turn& turn);
   Result begin_to_doubt(Earlier before);
-  Result end_doubt(const Observation& look);
+  Result end_doubt(const UprightPoints& upright, const Observation& look);
   Result give_up(bool turn_confirmed);
   Result begin_to_shake();
   Result settle();

@@ -32,11 +32,12 @@ void ScaleByScans::add(std::int64_t utime, const std::vector<scan::LidarPoint>& 
 /// The scale with the least residual.
 std::optional<double> ScaleByScans::measure(const std::vector<scan::LidarPoint>& points,
                                             const Pose& T_reference_base) const {
+  const UprightPoints upright(points, lidar_);
   std::array<double, 2 * kSteps + 1> residuals{};
   for (std::size_t i = 0; i < residuals.size(); ++i) {
     Pose T_scaled = T_reference_base;
     T_scaled.translation() *= 1 + (static_cast<double>(i) - kSteps) * kStep;
-    const auto residual = AzimuthProfile(points, T_scaled, lidar_).residual_to(reference_->profile);
+    const auto residual = AzimuthProfile(upright, T_scaled).residual_to(reference_->profile);
     if (!residual) return std::nullopt;
     residuals[i] = *residual;
   }
