@@ -26,22 +26,36 @@ static_assert(DenseTile::kVacatedColumns == kAcross);
 FreeSpace::FreeSpace(double ground_clearance)
     : ground_clearance_(static_cast<float>(ground_clearance)), cells_(kLayers * kLayer) {}
 
+/// The points that may be tested by their height, of the records from `begin` on: most are ground, and are left out
+/// without a branch, as points of ground and of walls come in no order.
+void FreeSpace::list_tall(DenseTile& tile, const TileRecords& content, std::size_t begin, std::size_t end) {
+  const float least = tile.any_vacated() ? std::min(kLowClearance, ground_clearance_) : ground_clearance_;
+  const auto z_origin = static_cast<float>(tile.z_origin());
+  tall_.resize(std::max(tall_.size(), end - begin));
+  std::size_t size = 0;
+  for (std::size_t i = begin; i < end; ++i) {
+    const TilePoint& p = content.records[i];
+    const float above = z_origin + kRecordStep * static_cast<float>(p.z) - tile.lowest_at(p);
+    tall_[size] = {static_cast<std::uint32_t>(i), above};
+    size += static_cast<std::size_t>(tile.is_present(i)) & static_cast<std::size_t>(above > least);
+  }
+  tall_.resize(size);
+}
+
 /// First pass: the occupancy of each candidate, and the cells in which a beam ended.
 void FreeSpace::gather(DenseTile& tile, const Eigen::Vector3d& corner, const View& view) {
   const Eigen::Vector3d lidar = view.T_lidar_map.inverse().translation();
   const int layers_below = voxels::floor_to_int((lidar.z() - corner.z()) / (kCellSteps * kPositionStep)) - kLayers / 2;
   const Eigen::Matrix3f turn = view.T_lidar_map.linear().cast<float>();
   const Eigen::Vector3f offset = (view.T_lidar_map * corner).cast<float>();
-  const auto z_origin = static_cast<float>(tile.z_origin());
   const auto reach2 = static_cast<float>(view.reach * view.reach);
   const std::shared_ptr<const TileRecords> content = tile.read();  // it is awake
   for (std::size_t run = 0; run < content->runs.size(); ++run) {
     if (!view.in_place(content->runs[run].anchor)) continue;
     const std::size_t end = content->end_of(run);
-    for (auto i = static_cast<std::size_t>(content->runs[run].first); i < end; ++i) {
-      if (!tile.is_present(i)) continue;
+    list_tall(tile, *content, static_cast<std::size_t>(content->runs[run].first), end);
+    for (const auto& [i, above] : tall_) {
       const TilePoint& p = content->records[i];
-      const float above = z_origin + kRecordStep * static_cast<float>(p.z) - tile.lowest_at(p);
       const int column = p.y / kCellSteps * kAcross + p.x / kCellSteps;
       const bool high = above > ground_clearance_;
       if (!high && !(above > kLowClearance && tile.vacated(column))) continue;
@@ -53,7 +67,7 @@ void FreeSpace::gather(DenseTile& tile, const Eigen::Vector3d& corner, const Vie
       const Occupancy occupancy = view.image.classify(in_lidar, high ? kHigh : kLow);
       ++cells_[cell].points;
       cells_[cell].hit |= occupancy == Occupancy::kOccupied;
-      candidates_.push_back({static_cast<std::uint32_t>(i), cell, occupancy == Occupancy::kFree});
+      candidates_.push_back({i, cell, occupancy == Occupancy::kFree});
     }
   }
 }

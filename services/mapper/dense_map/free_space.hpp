@@ -43,10 +43,18 @@ class FreeSpace {
     std::uint32_t cell;
     bool through;
   };
+  /// A point above its column's lowest one.
+  struct Tall {
+    std::uint32_t record;
+    float above;  // m
+  };
   void gather(DenseTile& tile, const Eigen::Vector3d& corner, const View& view);
   [[nodiscard]] bool hit_nearby(std::uint32_t cell) const;
 
+  void list_tall(DenseTile& tile, const TileRecords& content, std::size_t begin, std::size_t end);
+
   float ground_clearance_;
+  std::vector<Tall> tall_;   // scratch
   std::vector<Cell> cells_;  // of the current tile; all are empty between tiles
   std::vector<Candidate> candidates_;
 };

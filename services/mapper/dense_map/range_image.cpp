@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace curbstone::mapper::dense_map {
 namespace {
@@ -56,6 +57,7 @@ RangeImage::RangeImage(const std::vector<scan::LidarPoint>& points, const Pose& 
     if (count[ring] > 0) rows_.push_back({sum[ring] / static_cast<float>(count[ring]), ring});
   }
   std::sort(rows_.begin(), rows_.end(), [](const Row& a, const Row& b) { return a.slope < b.slope; });
+  for (const Row& row : rows_) slopes_.push_back(row.slope);
 }
 
 Occupancy RangeImage::classify(const Eigen::Vector3f& place, const Margins& margins) const {
@@ -67,10 +69,13 @@ Occupancy RangeImage::classify(const Eigen::Vector3f& place, const Margins& marg
   const float slope = d.z() / range;
   const float inside = slope < 0 ? 1.0F : -1.0F;
   const int azimuth = azimuth_of(d.x(), d.y());
-  const auto next = std::partition_point(rows_.begin(), rows_.end(), [&](const Row& row) { return row.slope < slope; });
+  // All are compared: there are few, and a search would branch in ways that the CPU cannot foresee.
+  std::uint32_t lower = 0;
+  for (const float of_row : slopes_) lower += of_row < slope ? 1U : 0U;
+  const std::size_t end = std::min<std::size_t>(lower + 1, rows_.size());
   Occupancy occupancy = Occupancy::kUnknown;
-  for (auto row = next == rows_.begin() ? next : next - 1; row != rows_.end() && row <= next; ++row) {
-    const Beam* const beams = beams_.data() + row->ring * kAzimuths;
+  for (std::size_t row = lower - std::min(lower, 1U); row < end; ++row) {
+    const Beam* const beams = beams_.data() + rows_[row].ring * kAzimuths;
     const Beam& own = beams[azimuth];
     const float off = (slope - own.slope) * range;  // m, height of the place above the beam
     if (own.range == 0 || std::abs(off) > kBeside) continue;

@@ -48,10 +48,11 @@ class RangeImage {
     std::size_t ring;
   };
 
-  std::vector<Beam> beams_;   // ring by ring
-  std::vector<Row> rows_;     // in order of slope, the lowest first
-  std::vector<float> ages_;   // s before the end, by azimuth
-  Eigen::Vector3f velocity_;  // m/s, of the lidar, in its axes
+  std::vector<Beam> beams_;    // ring by ring
+  std::vector<Row> rows_;      // in order of slope, the lowest first
+  std::vector<float> slopes_;  // of rows_, beside each other
+  std::vector<float> ages_;    // s before the end, by azimuth
+  Eigen::Vector3f velocity_;   // m/s, of the lidar, in its axes
 };
 
 }  // namespace curbstone::mapper::dense_map
