@@ -151,6 +151,22 @@ TEST_F(PageTilted, TiltsByKeyButtonRightDragAndTwoFingers) {
   EXPECT_EQ(tilt(), tilted);
 }
 
+TEST_F(PageTilted, TheWholeMapIsTheWholeOfItTiltedToo) {
+  for (int x = -12; x < 12; ++x) put(tile_of(x, x / 3, semantic_tile_t::ROAD));
+  open(fmt::format("{}&tilt=60&panel=0", kPlainView));
+  browser->evaluate("document.getElementById('whole').click()");
+  browser->pass(0.5);
+  const Picture picture = browser->picture();
+  double leftmost = 1e9, rightmost = 0;
+  for (const double x : {-36.0, 36.0})
+    for (const double y : {-12.0, 12.0}) {
+      const Spot spot = spot_at(x, y, 0);
+      EXPECT_TRUE(spot.x >= 0 && spot.x < picture.width() && spot.y >= 0 && spot.y < picture.height()) << x << " " << y;
+      leftmost = std::min(leftmost, spot.x), rightmost = std::max(rightmost, spot.x);
+    }
+  EXPECT_GT(rightmost - leftmost, 0.7 * picture.width()) << "and no smaller than it need be";
+}
+
 TEST_F(PageTilted, WhatIsDraggedStaysUnderTheMouse) {
   put_a_terrace();
   open("at=0,-3,40,0.4&follow=0&theme=light&tilt=55");
