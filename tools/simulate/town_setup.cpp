@@ -32,8 +32,12 @@ motion::SpeedProfile speed_profile(const rig::SimulateConfig& config, double sec
 
 TownSetup::TownSetup(const TownTour& tour, std::int64_t start_utime, const rig::SimulateConfig& config)
     : config_(config),
-      town_(
-          {.seed = tour.seed, .loop = tour.loop, .straight = tour.straight, .lane_offset = tour.lane, .day = tour.day}),
+      town_({.seed = tour.seed,
+             .loop = tour.loop,
+             .straight = tour.straight,
+             .lane_offset = tour.lane,
+             .steepness = config.steepness,
+             .day = tour.day}),
       ground_(town_, config_.paint),
       motion_(tour_motion(town_, tour, config_)),
       drive_{

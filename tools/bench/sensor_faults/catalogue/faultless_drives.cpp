@@ -27,6 +27,8 @@ std::vector<Fault> faultless_drives() {
       drive("Helios 32", "another LiDAR, with 32 beams; with manoeuvres",
             {"--seed", "38", "--seconds", "100", "--lidar", "helios32", "--set", "manoeuvres=true"}),
       drive("VLP-16", "another LiDAR", {"--seed", "39", "--seconds", "60", "--lidar", "vlp16"}),
+      drive("hills", "the street rises and falls by up to 26 %",
+            {"--seed", "52", "--seconds", "60", "--set", "steepness=0.45"}),
       drive("bare street", "nothing but curbs for 100 m", {"--seed", "40", "--straight", "200"}),
   };
 }
