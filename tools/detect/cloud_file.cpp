@@ -147,8 +147,10 @@ std::vector<Eigen::Isometry3d> read_poses(const std::string& path) {
     std::istringstream row(line);
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     for (int i = 0; i < 12; ++i) row >> pose.matrix()(i / 4, i % 4);
+    std::string more;  // KITTI-360 puts an index before the twelve numbers
     const Eigen::Matrix3d R = pose.linear();
-    if (!row || !pose.matrix().allFinite() || !(R * R.transpose()).isIdentity(1e-3) || R.determinant() < 0)
+    if (!row || row >> more || !pose.matrix().allFinite() || !(R * R.transpose()).isIdentity(1e-3) ||
+        R.determinant() < 0)
       throw CloudFileError(fmt::format("{}:{}: expected 12 numbers, the rows of a 3x4 pose", path, number));
     poses.push_back(pose);
   }
