@@ -33,6 +33,13 @@ std::optional<double> parse_number(std::string_view text) {
   return value;
 }
 
+/// "72.1", or "72,1": PCAN-View writes the decimal sign of its host's language.
+std::optional<double> parse_decimal(std::string_view word) {
+  std::string text(word.substr(0, 32));
+  if (std::ranges::count(text, ',') == 1 && text.find('.') == std::string::npos) text[text.find(',')] = '.';
+  return parse_number(text);
+}
+
 /// Removes and returns the first word; empty at the end.
 std::string_view next_word(std::string_view& text) {
   const std::size_t begin = text.find_first_not_of(" \t\r\n");
@@ -82,7 +89,7 @@ void PcanTrace::on_keyword(std::string_view line) {
     if (known) columns_ = format->columns;
     old_ = value.starts_with("1.");
   } else if (key == ";$STARTTIME") {
-    const auto days = parse_number(value);
+    const auto days = parse_decimal(value);
     if (days && *days >= kEpochDay && *days <= kMaxDays) start_ = std::llround((*days - kEpochDay) * 86400e6);
   } else if (key == ";$COLUMNS") {
     columns_.clear();
@@ -117,7 +124,7 @@ PcanTrace::Line PcanTrace::parse(std::string_view text) {
     const std::string_view word = next_word(rest);
     if (word.empty()) return line;
     if (column == 'O') {
-      const auto offset = parse_number(word);
+      const auto offset = parse_decimal(word);
       if (!offset || *offset < 0 || *offset > kMaxOffset) return line;
       line.utime = start_ + std::llround(*offset * 1e3);
     } else if (column == 'T') {

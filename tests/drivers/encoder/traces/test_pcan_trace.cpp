@@ -110,6 +110,17 @@ TEST(PcanTraceTest, ReadsAFileOfEveryOtherVersion) {
   }
 }
 
+TEST(PcanTraceTest, TheDecimalSignMayBeAComma) {
+  PcanTrace trace;
+  (void)trace.parse(";$FILEVERSION=1.1");
+  (void)trace.parse(";$STARTTIME=25570,5");
+  const auto line = trace.parse("     3)         7,2  Rx         0300  4  01 A3 58 4D ");
+  ASSERT_EQ(line.kind, Kind::kFrame);
+  EXPECT_EQ(line.utime, 129'600'007'200);
+  for (const char* text : {"1) 1,234.5 Rx 012 1 00", "1) 1,234,5 Rx 012 1 00", "1) , Rx 012 1 00"})
+    EXPECT_EQ(trace.parse(text).kind, Kind::kRefused) << text;
+}
+
 /// A length code of 9 to 15 of a classical frame is 8 bytes; PCAN-Explorer names a J1939 message's address.
 TEST(PcanTraceTest, LengthsOfOtherKinds) {
   PcanTrace trace;

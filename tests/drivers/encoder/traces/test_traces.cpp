@@ -97,9 +97,9 @@ TEST(TraceFileTest, WhatIsNoRecordingIsReportedInALine) {
   std::ofstream(folder / "new.trc") << ";$FILEVERSION=4.0\n  1)  2.0 1 Rx 0100 - 1 00\n";
   EXPECT_THAT(why(folder / "new.trc"),
               HasSubstr("a PCAN trace of version 4.0; 1.0 to 1.3, 2.0, 2.1 and 3.0 can be read"));
-  std::ofstream(folder / "comma.trc") << ";$FILEVERSION=1.1\n;\n\n 1)  72,1  Rx  010A  1  AB\n";
-  EXPECT_THAT(why(folder / "comma.trc"),
-              HasSubstr("a PCAN trace without CAN frames; line 4: \" 1)  72,1  Rx  010A  1  AB\""));
+  std::ofstream(folder / "colon.trc") << ";$FILEVERSION=1.1\n;\n\n 1)  72:1  Rx  010A  1  AB\n";
+  EXPECT_THAT(why(folder / "colon.trc"),
+              HasSubstr("a PCAN trace without CAN frames; line 4: \" 1)  72:1  Rx  010A  1  AB\""));
   std::ofstream(folder / "endless") << std::string(1 << 20, 'x');
   EXPECT_THAT(why(folder / "endless"), HasSubstr("no CAN frames"));
   std::ofstream(folder / "fd.log") << "(1.000000) can0 181##1AABB\n(1.000001) can0 181##1AABB\n";
