@@ -25,6 +25,8 @@ motion::SpeedProfile speed_profile(const rig::SimulateConfig& config, double sec
   options.standstill = config.standstill;
   options.acceleration = config.acceleration;
   options.distance = distance;
+  options.manoeuvres = config.manoeuvres;
+  if (config.manoeuvres) options.drive = 12.0;  // s: several in a minute
   return {options, seconds};
 }
 
