@@ -76,9 +76,9 @@ TEST(PersistenceFilter, OldOnesAreForgotten) {
 TEST(PersistenceFilter, PointsTogetherAreThePointsOneByOne) {
   PersistenceFilter together(kSecond), single(kSecond);
   std::mt19937 random(1);
-  std::uniform_real_distribution<double> along(-4, 4), up(0, 3);
+  std::uniform_real_distribution<double> along(-1, 1), up(0, 3);
   const auto points = [&] {
-    std::vector<Eigen::Vector3d> all(1000);
+    std::vector<Eigen::Vector3d> all(400);
     for (Eigen::Vector3d& point : all) point = {along(random), along(random), up(random)};
     return all;
   };
