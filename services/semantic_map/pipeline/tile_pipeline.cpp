@@ -3,17 +3,18 @@
 #include <algorithm>
 #include <limits>
 #include <span>
-#include <thread>
 #include <utility>
-
-#include "common/parallel/parallel_for.hpp"
 
 namespace curbstone::semantic_map::pipeline {
 namespace {
 
-constexpr std::size_t kSettledAtOnce = 256;  // tiles, before their products are taken
-constexpr unsigned kMaxThreads = 8;
 constexpr std::size_t kMaxAccumulators = 512;  // 40 kB each; tiles in sight of the vehicle are fewer
+
+/// Where the evidence of a tile takes 1 on average: as its time follows the effort in a town, within a fifth.
+double cost_of(const curbs::SearchEffort& effort) {
+  return 5e-5 * static_cast<double>(effort.points) + 1.1e-3 * static_cast<double>(effort.windows) +
+         1e-5 * static_cast<double>(effort.window_points);
+}
 
 }  // namespace
 
@@ -29,15 +30,34 @@ TilePipeline::Tile* TilePipeline::find(TileKey key) {
 /// visit(key, tile): the tile and its neighbours, as far as they exist.
 template <class Visit>
 void TilePipeline::for_around(TileKey key, Visit visit) {
-  constexpr std::int64_t kMin = std::numeric_limits<std::int32_t>::min();
-  constexpr std::int64_t kMax = std::numeric_limits<std::int32_t>::max();
-  for (std::int64_t y = std::int64_t{key.y} - 1; y <= std::int64_t{key.y} + 1; ++y) {
-    for (std::int64_t x = std::int64_t{key.x} - 1; x <= std::int64_t{key.x} + 1; ++x) {
-      if (x < kMin || x > kMax || y < kMin || y > kMax) continue;
-      const TileKey neighbour{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
-      if (Tile* tile = find(neighbour)) visit(neighbour, *tile);
+  Tile* const centre = find(key);
+  if (centre == nullptr) return;
+  std::size_t i = 0;
+  for (std::int32_t dy = -1; dy <= 1; ++dy) {
+    for (std::int32_t dx = -1; dx <= 1; ++dx, ++i) {
+      if (Tile* const tile = centre->around[i]) visit(TileKey{key.x + dx, key.y + dy}, *tile);
     }
   }
+}
+
+/// The tile, new if there was none, and linked with its neighbours.
+std::pair<TilePipeline::Tile*, bool> TilePipeline::make(TileKey key) {
+  const auto [it, is_new] = tiles_.try_emplace(key);
+  Tile* const tile = &it->second;
+  if (!is_new) return {tile, false};
+  constexpr std::int64_t kMin = std::numeric_limits<std::int32_t>::min();
+  constexpr std::int64_t kMax = std::numeric_limits<std::int32_t>::max();
+  std::size_t i = 0;
+  for (std::int64_t y = std::int64_t{key.y} - 1; y <= std::int64_t{key.y} + 1; ++y) {
+    for (std::int64_t x = std::int64_t{key.x} - 1; x <= std::int64_t{key.x} + 1; ++x, ++i) {
+      if (x < kMin || x > kMax || y < kMin || y > kMax) continue;
+      Tile* const other = find({static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)});
+      if (other == nullptr) continue;
+      tile->around[i] = other;
+      other->around[tile->around.size() - 1 - i] = tile;  // it lies the other way
+    }
+  }
+  return {tile, true};
 }
 
 /// get(tile): pointer to the product of one tile.
@@ -87,20 +107,20 @@ std::optional<VotedChange> TilePipeline::apply(const tile::VotedStep& step) {
   Tile* const known = find(step.key);
   if (known != nullptr) wake(step.key, *known);
   if (!tile::continues(step, known == nullptr ? nullptr : &known->layers->voted)) return std::nullopt;
-  Tile& tile = known == nullptr ? tiles_[step.key] : *known;
+  Tile& tile = known == nullptr ? *make(step.key).first : *known;
   tile::VotedTile& voted = tile.layers->voted;
   const std::size_t points_before = voted.points.size();
   tile::take_step(step, voted);
   voted_changed(step.key, tile, known == nullptr, step.base > 0);
-  return VotedChange{step.key, voted.revision, voted.utime, points_before, voted.points.size()};
+  return VotedChange{step.key, voted.revision, voted.utime, points_before, voted.points.size(), tile.update_cost};
 }
 
 void TilePipeline::set_voted(tile::VotedTile voted, bool has_grown) {
   const TileKey key = voted.key;
-  const auto [it, is_new] = tiles_.try_emplace(key);
-  wake(key, it->second);
-  it->second.layers->voted = std::move(voted);
-  voted_changed(key, it->second, is_new, has_grown);
+  const auto [tile, is_new] = make(key);
+  wake(key, *tile);
+  tile->layers->voted = std::move(voted);
+  voted_changed(key, *tile, is_new, has_grown);
 }
 
 void TilePipeline::voted_changed(TileKey key, Tile& tile, bool is_new, bool has_grown) {
@@ -128,12 +148,16 @@ void TilePipeline::clear() {
 }
 
 void TilePipeline::refresh(Step step, TileKey key, Tile& tile) {
-  // In units of the evidence. Those of the two steps of paint are upper bounds.
-  constexpr std::array kCost = {0.05, 0.2, 1.0, 0.05, 0.05, 0.05, 0.05, 0.05};
+  // In units of what the evidence of a tile takes on average; that itself is counted (cost_of()), and so are the
+  // candidates that the curbs are chosen among. As measured in a town.
+  constexpr std::array kCost = {0.1, 0.2, 0.0, 0.1, 0.01, 0.05, 0.1, 0.1};
+  constexpr double kCandidateCost = 0.0035;
   if (!unmark(step, tile)) return;
   wake_for(step, key, tile);
   if (step == kCurbs && !tile.is_other_evidence) return take_curbs_utime(key, tile);  // they are as they were
   result_.cost += kCost[step];
+  if (step == kCurbs && !tile.evidence.empty())
+    for_around(key, [&](TileKey, Tile& t) { result_.cost += kCandidateCost * static_cast<double>(t.evidence.size()); });
   num_evidence_ += step == kEvidence ? 1 : 0;
   std::visit([&](auto&& product) { take(key, tile, std::forward<decltype(product)>(product)); },
              compute(step, key, tile, &vehicles_));
@@ -176,7 +200,7 @@ tile::MapTile TilePipeline::classify(TileKey key, const Tile& tile, cells::Vehic
   result.z_origin = tile.layers->voted.z_origin;
   const auto columns = around<cells::CellColumns>(key, [](Tile& t) { return &t.layers->columns; });
   cells::classify_cells(columns, around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return t.curbs.get(); }),
-                        vehicles != nullptr ? vehicles->find(columns) : cells::find_vehicles(columns), classes_,
+                        vehicles != nullptr ? vehicles->find(key, columns) : cells::find_vehicles(columns), classes_,
                         result);
   return result;
 }
@@ -202,7 +226,9 @@ void TilePipeline::take(TileKey key, Tile& tile, const ground::GroundModel& grou
   });
 }
 
-void TilePipeline::take(TileKey key, Tile& tile, std::vector<curbs::CurbCandidate> evidence) {
+void TilePipeline::take(TileKey key, Tile& tile, curbs::CurbEvidence found) {
+  result_.cost += cost_of(found.effort);
+  std::vector<curbs::CurbCandidate>& evidence = found.candidates;
   if (std::exchange(tile.evidence_utime, tile.layers->voted.utime) != tile.layers->voted.utime) mark(kCurbs, key, tile);
   if (evidence == tile.evidence) return;
   tile.evidence = std::move(evidence);
@@ -268,6 +294,7 @@ void TilePipeline::update(TileKey key) {
   Tile* const tile = find(key);
   if (tile == nullptr) return;
   for (const Step step : kUrgentSteps) refresh(step, key, *tile);
+  tile->update_cost = result_.cost;
 }
 
 void TilePipeline::update_columns(TileKey key) {
@@ -312,39 +339,6 @@ WorkResult TilePipeline::run(const TileWork& work) {
       break;
   }
   return std::exchange(result_, {});
-}
-
-/// Step by step: whatever a step makes stale is of a later one.
-WorkResult TilePipeline::settle(int threads) {
-  if (threads <= 0) threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, kMaxThreads));
-  result_ = {};
-  for (const Step step : kUrgentSteps) settle_step(step, threads);
-  for (const Step step : kPatientSteps) settle_step(step, threads);
-  return std::exchange(result_, {});
-}
-
-/// Nothing that a step reads is made by the same step of another tile: many are computed at once, and taken in turn.
-void TilePipeline::settle_step(Step step, int threads) {
-  std::vector<Product> products;  // each is large
-  std::vector<std::pair<TileKey, Tile*>> tiles;
-  while (!stale_[step].empty()) {
-    tiles.clear();
-    for (auto it = stale_[step].begin(); it != stale_[step].end() && tiles.size() < kSettledAtOnce; ++it)
-      tiles.emplace_back(it->second, find(it->second));
-    awakened_.clear();
-    for (const auto& [key, tile] : tiles) wake_for(step, key, *tile);
-    products.resize(std::max(products.size(), tiles.size()));
-    parallel_for(tiles.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) products[i] = compute(step, tiles[i].first, *tiles[i].second, nullptr);
-    });
-    num_evidence_ += step == kEvidence ? static_cast<std::int64_t>(tiles.size()) : 0;
-    for (std::size_t i = 0; i < tiles.size(); ++i) {
-      const auto& [key, tile] = tiles[i];
-      unmark(step, *tile);
-      std::visit([&, k = key, t = tile](auto& product) { take(k, *t, std::move(product)); }, products[i]);
-    }
-    for (const TileKey key : awakened_) sleep(key);
-  }
 }
 
 }  // namespace curbstone::semantic_map::pipeline
