@@ -55,32 +55,33 @@ void EventLoop::every(std::chrono::milliseconds period, std::function<void()> ta
 
 void EventLoop::run() {
   running_ = true;
-  bool may_idle = true;
+  bool has_idle_work = idle_ != nullptr;
   std::vector<pollfd> fds;
   while (running_) {
-    const bool works = may_idle && idle_;
-    const std::int64_t gathers_for = works ? 0 : gather_until_ - steady_clock();
+    const std::int64_t gathers_for = has_idle_work ? 0 : gather_until_ - steady_clock();
     fds.assign(1, {signal_fd_, POLLIN, 0});
     if (gathers_for <= 0) {
       for (const Watch& watch : watches_) fds.push_back({watch.fd, watch.events, 0});
     }
-    std::int64_t longest_us = works ? 0 : until_next_timer();
+    std::int64_t longest_us = has_idle_work ? 0 : until_next_timer();
     if (gathers_for > 0) longest_us = std::min(longest_us, gathers_for);
     const timespec longest{longest_us / 1'000'000, longest_us % 1'000'000 * 1000};
     if (ppoll(fds.data(), fds.size(), &longest, nullptr) < 0 && errno != EINTR) {
       throw std::system_error(errno, std::generic_category(), "poll");
     }
     if (fds[0].revents != 0) return take_signal();
-    bool was_idle = true;
+    bool something_happened = false;
     for (std::size_t i = 1; i < fds.size(); ++i) {
       if (fds[i].revents == 0) continue;
-      was_idle = false;
+      something_happened = true;
       call_handler(fds[i].fd, fds[i].events);
     }
-    if (!was_idle) gather_until_ = steady_clock() + gather_.count();
-    if (run_due_timers()) was_idle = false;
-    const bool gathers = !was_idle && gather_.count() > 0;  // the descriptors are not to be looked at in any case
-    may_idle = (!was_idle && !gathers) || ((may_idle || gathers) && idle_ && idle_());
+    if (something_happened) gather_until_ = steady_clock() + gather_.count();
+    if (run_due_timers()) something_happened = true;
+    if (something_happened) has_idle_work = idle_ != nullptr;
+    // Descriptors come first. Where they are gathered they are not looked at for a while, so idle work goes on at once.
+    const bool is_idle = !something_happened || gather_.count() > 0;
+    if (has_idle_work && is_idle) has_idle_work = idle_();
   }
 }
 

@@ -28,8 +28,14 @@ void DriveFollower::announced(const tile_index_t& message) {
   if (pages_.behind() < kMaxBehind && num_poses_ < kMaxPoses) pages_.announced(message);
 }
 
+tile_request_t DriveFollower::make_request(std::int64_t now) {
+  tile_request_t request = pages_.make_request(now, kPagesAtOnce);
+  has_asked_ = pages_.behind() > 0 && (has_asked_ || request.num_tiles > 0);
+  return request;
+}
+
 std::optional<std::string> DriveFollower::fault() const {
-  if (pages_.behind() == 0) return std::nullopt;
+  if (pages_.behind() == 0 || !has_asked_) return std::nullopt;
   return fmt::format("poses of the drive are missing, in {} pages of 10 s: they are asked for again", pages_.behind());
 }
 

@@ -30,14 +30,15 @@ class DriveFollower {
   /// Takes an index page of any channel.
   void announced(const tile_index_t& message);
   /// The request for missing pages; num_tiles is 0 if nothing is to be asked. `now`: message time, us.
-  [[nodiscard]] tile_request_t make_request(std::int64_t now) { return pages_.make_request(now, kPagesAtOnce); }
-  /// A fault in words while poses are missing.
+  [[nodiscard]] tile_request_t make_request(std::int64_t now);
+  /// A fault in words while poses are missing that were asked for: others may be on their way.
   [[nodiscard]] std::optional<std::string> fault() const;
 
  private:
   TileFollower pages_;
   std::unordered_map<TileKey, std::vector<std::int64_t>, TileKeyHash> poses_;  // stamps, sorted, us
   std::size_t num_poses_ = 0;
+  bool has_asked_ = false;  // since it last had all poses
 };
 
 }  // namespace curbstone

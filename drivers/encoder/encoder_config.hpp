@@ -102,7 +102,7 @@ struct EncoderConfig {
     v.field("silence", silence, {0.1, 60.0}, "s without positions: a fault, and the drive is set up again");
     v.section("modbus", modbus, "for modbus_rtu and modbus_tcp");
     v.section("signals", signals, "raw CAN signals instead of a CANopen drive");
-    v.field("file", file, "recorded CAN, for file: a log of candump -l, or a PCAN trace (.trc) 1.1, 2.0 or 2.1");
+    v.field("file", file, "recorded CAN, for file: a log of candump (-l, -ta, -tA, -tz), or a PCAN trace (.trc)");
     v.field("file_rate", file_rate, {0, 1000}, "speed of the recording, times real time; 0: as fast as it can be read");
   }
 };

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <stdexcept>
+#include <string_view>
 
 namespace curbstone::lidar {
 
@@ -30,7 +31,9 @@ std::vector<models::LaserAngles> read_angles(const std::string& file) {
   if (!stream) throw std::runtime_error(fmt::format("angles_file: cannot read {}", file));
   std::vector<models::LaserAngles> angles;
   std::string line;
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // some editors write it
   for (int number = 1; std::getline(stream, line); ++number) {
+    if (number == 1 && line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
     const auto begin = line.find_first_not_of(" \t\r");
     if (begin == std::string::npos || line[begin] == '#') continue;
     models::LaserAngles laser;

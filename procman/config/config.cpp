@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -42,20 +43,23 @@ bool calls_itself(const Config& config, const Script& start) {
   return false;
 }
 
-void check_script(const Config& config, const Script& script, std::vector<std::string>& errors) {
+/// Adds what is wrong with one script, without those that it runs.
+void check_actions(const Config& config, const Script& script, std::vector<std::string>& errors) {
   for (const Action& action : script.actions) {
     if (action.kind == ActionKind::kRunScript) {
       if (config.find_script(action.script) == nullptr) {
-        errors.push_back(fmt::format("script \"{}\": there is no script \"{}\"", script.name, action.script));
+        errors.push_back(
+            fmt::format("{}: script \"{}\": there is no script \"{}\"", action.place.line, script.name, action.script));
       }
     } else if (action.kind != ActionKind::kWaitTime && action.target.kind != TargetKind::kEverything &&
                config.resolve(action.target).empty()) {
-      errors.push_back(fmt::format("script \"{}\": there is no {} \"{}\"", script.name,
+      errors.push_back(fmt::format("{}: script \"{}\": there is no {} \"{}\"", action.place.line, script.name,
                                    action.target.kind == TargetKind::kGroup ? "group" : "cmd", action.target.name));
     }
   }
   if (calls_itself(config, script)) {
-    errors.push_back(fmt::format("infinite loop: script \"{}\" eventually calls itself", script.name));
+    errors.push_back(
+        fmt::format("{}: infinite loop: script \"{}\" eventually calls itself", script.place.line, script.name));
   }
 }
 
@@ -96,17 +100,37 @@ std::vector<std::vector<std::string>> Config::stages() const {
 
 std::vector<std::string> check_config(const Config& config) {
   std::vector<std::string> errors;
-  std::set<std::string> ids;
+  std::map<std::string, int> lines;
   for (const Command& command : config.commands) {
-    if (command.id.empty()) errors.push_back(fmt::format("a cmd has no id (its exec is \"{}\")", command.exec));
-    if (!command.id.empty() && !ids.insert(command.id).second) {
-      errors.push_back(fmt::format("there are two commands \"{}\"", command.id));
+    const auto wrong = [&, line = command.place.line](const std::string& what) {
+      errors.push_back(fmt::format("{}: {}", line, what));
+    };
+    if (command.id.empty()) wrong(fmt::format("a cmd has no id (its exec is \"{}\")", command.exec));
+    const auto [first, is_new] = lines.emplace(command.id, command.place.line);
+    if (!command.id.empty() && !is_new) {
+      wrong(fmt::format("there is already a cmd \"{}\", in line {}: ids are unique, over all deputies too", command.id,
+                        first->second));
     }
-    if (command.deputy.empty()) errors.push_back(fmt::format("cmd \"{}\" names no deputy", command.id));
+    if (command.deputy.empty()) wrong(fmt::format("cmd \"{}\" names no deputy", command.id));
     const ExecLine line = parse_exec_line(command.exec, [](const std::string&) { return std::nullopt; });
-    if (!line.error.empty()) errors.push_back(fmt::format("cmd \"{}\": exec: {}", command.id, line.error));
+    if (!line.error.empty()) wrong(fmt::format("cmd \"{}\": exec: {}", command.id, line.error));
   }
-  for (const Script& script : config.scripts) check_script(config, script, errors);
+  return errors;
+}
+
+std::vector<std::string> check_script(const Config& config, const Script& script) {
+  std::vector<std::string> errors;
+  std::set<std::string> seen = {script.name};
+  std::vector<const Script*> todo = {&script};
+  while (!todo.empty()) {
+    const Script& next = *todo.back();
+    todo.pop_back();
+    check_actions(config, next, errors);
+    for (const Action& action : next.actions) {
+      const Script* called = action.kind == ActionKind::kRunScript ? config.find_script(action.script) : nullptr;
+      if (called != nullptr && seen.insert(called->name).second) todo.push_back(called);
+    }
+  }
   return errors;
 }
 
@@ -119,8 +143,12 @@ Config load_config_file(const std::string& file) {
   }
   Config config = parse_config(text.str(), file);
   const std::vector<std::string> errors = check_config(config);
-  if (!errors.empty()) throw std::runtime_error(fmt::format("{}: {}", file, fmt::join(errors, "\n" + file + ": ")));
+  if (!errors.empty()) throw std::runtime_error(join_errors(file, errors));
   return config;
+}
+
+std::string join_errors(const std::string& file, const std::vector<std::string>& errors) {
+  return fmt::format("{}:{}", file, fmt::join(errors, "\n" + file + ":"));
 }
 
 }  // namespace curbstone::procman::config

@@ -11,6 +11,12 @@ namespace curbstone::procman::config {
 inline constexpr int kDefaultStopSignal = 2;          ///< SIGINT
 inline constexpr double kDefaultStopTimeAllowed = 7;  ///< s
 
+/// Where something is in the file. Two of them are always equal: it is no part of what a command is.
+struct Place {
+  int line = 0;  ///< from 1; 0: in no file
+  bool operator==(const Place&) const { return true; }
+};
+
 /// One process as described in the operator's config.
 struct Command {
   std::string id;      ///< unique over all deputies; no '/'
@@ -21,6 +27,7 @@ struct Command {
   int stop_signal = kDefaultStopSignal;                ///< 1..64
   double stop_time_allowed = kDefaultStopTimeAllowed;  ///< s from the stop signal to SIGKILL
   double heartbeat = 0;  ///< s without SERVICE_STATUS after which the process counts as hung; 0: not watched
+  Place place{};
   bool operator==(const Command&) const = default;
 };
 
@@ -39,11 +46,13 @@ struct Action {
   WaitStatus wait_for = WaitStatus::kNone;  ///< for kWaitStatus; for the others, what to wait for after acting
   long wait_ms = 0;                         ///< kWaitTime
   std::string script;                       ///< kRunScript
+  Place place{};
 };
 
 struct Script {
   std::string name;
   std::vector<Action> actions;
+  Place place{};
 };
 
 /// Contents of a .cfg file, in the order of the file.
@@ -76,12 +85,18 @@ class ConfigSyntaxError : public std::runtime_error {
 /// names the source in errors. Throws ConfigSyntaxError.
 [[nodiscard]] Config parse_config(std::string_view text, const std::string& file);
 
-/// All errors that the grammar does not exclude, one line each: empty or duplicate ids; exec strings that are empty or
-/// cannot be split into words; no deputy; scripts that name something that does not exist, or call themselves. Empty if
-/// there are none.
+/// All errors of the commands that the grammar does not exclude, "LINE: what" each: empty or duplicate ids; exec
+/// strings that are empty or cannot be split into words; no deputy. Empty if there are none.
 [[nodiscard]] std::vector<std::string> check_config(const Config& config);
 
-/// Reads and checks a file. Throws std::runtime_error with all errors, one line each.
+/// Why the script, or one that it runs, cannot be run, "LINE: what" each: it names something that does not exist, or
+/// calls itself. As in procman a file with such a script can be used, but for the script: real files have some.
+[[nodiscard]] std::vector<std::string> check_script(const Config& config, const Script& script);
+
+/// Reads a file and checks its commands. Throws std::runtime_error with all errors, "FILE:LINE: what" each.
 [[nodiscard]] Config load_config_file(const std::string& file);
+
+/// Errors of check_config() or check_script() as "FILE:LINE: what", one a line.
+[[nodiscard]] std::string join_errors(const std::string& file, const std::vector<std::string>& errors);
 
 }  // namespace curbstone::procman::config

@@ -29,6 +29,11 @@ std::string describe(const Token& token) {
   }
 }
 
+ConfigLexer::ConfigLexer(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // some editors write it
+  if (text_.starts_with(kByteOrderMark)) text_.remove_prefix(kByteOrderMark.size());
+}
+
 const Token& ConfigLexer::peek() {
   if (!has_next_) {
     next_ = scan();

@@ -17,7 +17,7 @@ struct Token {
 /// Splits a .cfg text into tokens, and composes the error messages. The text must outlive it.
 class ConfigLexer {
  public:
-  ConfigLexer(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {}
+  ConfigLexer(std::string_view text, std::string file);
 
   /// The next token, without consuming it.
   [[nodiscard]] const Token& peek();

@@ -119,6 +119,7 @@ class Parser {
   void command(const std::string& enclosing_group) {
     Command command;
     Token at = lexer_.peek();
+    command.place.line = at.line;
     if (at.kind == TokenKind::kString) {
       refuse_slash(at, "a command's id");
       command.id = lexer_.take().text;
@@ -167,7 +168,7 @@ class Parser {
     if (config_.find_script(name.text) != nullptr) {
       lexer_.fail(name, fmt::format("there is already a script \"{}\"", name.text));
     }
-    Script script{name.text, {}};
+    Script script{name.text, {}, {name.line}};
     expect('{');
     while (!next_is('}')) {
       script.actions.push_back(action());
@@ -181,12 +182,13 @@ class Parser {
     constexpr const char* kWanted = "'start', 'stop', 'restart', 'wait', 'run_script' or '}'";
     const Token verb = expect(TokenKind::kName, kWanted);
     Action action;
+    action.place.line = verb.line;
     if (verb.text == "run_script") {
       action.kind = ActionKind::kRunScript;
       action.script = expect(TokenKind::kString, "the script's name in quotes").text;
       return action;
     }
-    if (verb.text == "wait") return wait();
+    if (verb.text == "wait") return wait(action);
     if (verb.text == "start") {
       action.kind = ActionKind::kStart;
     } else if (verb.text == "stop") {
@@ -201,8 +203,7 @@ class Parser {
     return action;
   }
 
-  Action wait() {
-    Action action;
+  Action wait(Action action) {
     if (take_name("ms")) {
       action.kind = ActionKind::kWaitTime;
       action.wait_ms = integer("the wait in ms", 0, 86'400'000);

@@ -103,11 +103,18 @@ void DeputyApp::load_config() {
     throw UsageError(fmt::format("{} has no command for deputy \"{}\", only for: {}; choose one with --id",
                                  options_.config_file, options_.id, fmt::join(deputies, ", ")));
   }
-  const config::Config all = config_;
-  std::erase_if(config_.commands, [&](const config::Command& command) { return command.deputy != options_.id; });
-  if (!options_.script.empty() && all.find_script(options_.script) == nullptr) {
+  const config::Script* start = config_.find_script(options_.script);
+  if (!options_.script.empty() && start == nullptr) {
     throw UsageError(fmt::format("{} has no script \"{}\"", options_.config_file, options_.script));
   }
+  for (const config::Script& script : config_.scripts) {
+    const std::vector<std::string> errors = config::check_script(config_, script);
+    if (errors.empty()) continue;
+    const std::string what = config::join_errors(options_.config_file, errors);
+    if (&script == start) throw UsageError(what);
+    log_line(fmt::format("script \"{}\" cannot be run: {}", script.name, what));
+  }
+  std::erase_if(config_.commands, [&](const config::Command& command) { return command.deputy != options_.id; });
   if (!options_.exit_when.empty() && config_.find_command(options_.exit_when) == nullptr) {
     throw UsageError(fmt::format("--exit-when {}: {} has no such command for deputy \"{}\"", options_.exit_when,
                                  options_.config_file, options_.id));

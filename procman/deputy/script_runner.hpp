@@ -9,7 +9,7 @@
 
 namespace curbstone::procman::deputy {
 
-/// Runs one script of a config: actions in order, with waits. check_config() must have found no error in the config.
+/// Runs one script of a config: actions in order, with waits. check_script() must have found no error in it.
 /// Pure: time is an argument, and actions are calls of Callbacks.
 class ScriptRunner {
  public:

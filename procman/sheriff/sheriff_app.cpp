@@ -158,6 +158,8 @@ int SheriffApp::run_script() {
   const std::string& script = options_.names.front();
   if (config.find_script(script) == nullptr)
     throw UnknownName(fmt::format("{} has no script \"{}\"", options_.config_file, script));
+  const std::vector<std::string> errors = config::check_script(config, *config.find_script(script));
+  if (!errors.empty()) throw UnknownName(config::join_errors(options_.config_file, errors));
   for (const config::Command& command : config.commands) {
     if (!sheriff_.commands().contains(command.id))
       throw UnknownName(fmt::format("no deputy has the command \"{}\" of {}", command.id, options_.config_file));

@@ -232,6 +232,7 @@ NodeReport LocalizerNode::report() const {
         "two LiDARs send on LIDAR_POINTS, and one is used: give the other a `channel` of its own, or "
         "end the log that is played into the bus");
   clock_.add_faults(report.faults);
+  mapper::scan::add_second_filter_fault(odometry_, report.faults);
   if (lidar_time_ != 0 && !begun_) report.faults.emplace_back("no usable ODOMETRY yet");
   if (tracker_ && lost()) report.faults.push_back(fmt::format("lost: {} does not show what is seen here", config_.map));
   if (begun_ && !tracker_) report.faults.push_back(fmt::format("not found yet in {}", config_.map));

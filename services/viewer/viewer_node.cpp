@@ -217,6 +217,7 @@ void ViewerNode::on(const service_status_t& message) {
 }
 
 void ViewerNode::on(const lidar_points_t& message) {
+  if (!lidar_.accept(message.utime, message.packet)) return counters_.add("refused.second_lidar");
   if (!scan_.put(message)) counters_.add("refused.points");
 }
 

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "common/bus/node.hpp"
+#include "common/bus/single_sender.hpp"
 #include "common/shell/latency.hpp"
 #include "common/tile_sync/epoch_follower.hpp"
 #include "common/tile_sync/tile_sync.hpp"
@@ -109,6 +110,7 @@ class ViewerNode final : public Node {
   store::ThinnedPath path_;
   std::int64_t left_ = 0;  // us, newest pose of the map that the present one replaced; 0: there was none
   store::Services services_;
+  SingleSender lidar_;
   Scan scan_;
   WantedChannel<lidar_points_t> scan_points_{"LIDAR_POINTS", [this](const lidar_points_t& m) { on(m); }};
   bool scan_wanted_elsewhere_ = false;

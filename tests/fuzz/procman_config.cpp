@@ -12,6 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const Config config = parse_config(curbstone::fuzz::text({data, size}), "fuzz.cfg");
     const std::vector<std::string> errors = check_config(config);
+    for (const Script& script : config.scripts) (void)check_script(config, script);
     for (const Command& command : config.commands) {
       require(command.stop_signal >= 1 && command.stop_signal <= 64, "a signal has a number of a signal");
       require(command.stop_time_allowed >= 0, "the time to stop is not negative");

@@ -1,12 +1,6 @@
 #include "tools/detect/cloud_file.hpp"
 
 #include <fmt/format.h>
-#include <pcl/PCLPointCloud2.h>
-#include <pcl/console/print.h>
-#include <pcl/conversions.h>
-#include <pcl/io/pcd_io.h>
-#include <pcl/io/ply_io.h>
-#include <pcl/point_types.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -15,10 +9,11 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <set>
 #include <sstream>
 
 #include "common/pcd/pcd_header.hpp"
+#include "tools/detect/pcd_file.hpp"
+#include "tools/detect/ply_file.hpp"
 
 namespace curbstone::detect {
 
@@ -66,77 +61,6 @@ std::vector<Eigen::Vector3f> read_kitti(const fs::path& path, const Eigen::Vecto
   return points;
 }
 
-/// PCL crashes or allocates without bound on headers with false sizes, so headers are checked first.
-bool has_plausible_header(const fs::path& path) {
-  constexpr int kMaxLines = 1000;
-  const bool is_pcd = ending(path) == ".pcd";
-  const double most = 200.0 * static_cast<double>(fs::file_size(path));  // points, even compressed
-  std::ifstream in(path, std::ios::binary);
-  std::string line;
-  std::set<std::string> seen;
-  for (int i = 0; i < kMaxLines && std::getline(in, line); ++i) {
-    std::istringstream words(line);
-    std::string key;
-    words >> key;
-    if (!is_pcd && i == 0 && key != "ply") return false;
-    double count = 0;
-    if (is_pcd && (key == "WIDTH" || key == "HEIGHT" || key == "POINTS")) words >> count;
-    std::string kind;
-    if (!is_pcd && key == "element" && words >> kind) words >> count;
-    if (!words || !(count >= 0 && count <= most)) return false;
-    seen.insert(key);
-    if (key == "DATA")
-      return seen.contains("FIELDS") && seen.contains("SIZE") && seen.contains("TYPE") && seen.contains("WIDTH") &&
-             seen.contains("HEIGHT") && seen.contains("POINTS");
-    if (key == "end_header") return seen.contains("format") && seen.contains("element");
-  }
-  return false;
-}
-
-std::vector<Eigen::Vector3f> read_with_pcl(const fs::path& path, const Eigen::Vector3d& origin) {
-  if (!has_plausible_header(path))
-    throw CloudFileError(fmt::format("{}: is not a {} cloud", path.string(), ending(path).substr(1)));
-  pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);  // it prints errors; this function throws instead
-  pcl::PCLPointCloud2 blob;
-  int result = -1;
-  try {
-    result = ending(path) == ".pcd" ? pcl::PCDReader().read(path.string(), blob)
-                                    : pcl::PLYReader().read(path.string(), blob);
-  } catch (const std::exception&) {
-    // reported below
-  }
-  const bool has_xyz = std::all_of(std::begin("xyz"), std::end("xyz") - 1, [&](char name) {
-    return std::any_of(blob.fields.begin(), blob.fields.end(), [&](const pcl::PCLPointField& field) {
-      return field.name == std::string(1, name) &&
-             (field.datatype == pcl::PCLPointField::FLOAT32 || field.datatype == pcl::PCLPointField::FLOAT64);
-    });
-  });
-  const std::size_t count = std::size_t{blob.width} * blob.height;
-  if (result < 0 || !has_xyz || blob.point_step == 0 || blob.data.size() < count * blob.point_step)
-    throw CloudFileError(
-        fmt::format("{}: truncated, or not a {} cloud with x y z", path.string(), ending(path).substr(1)));
-  std::vector<Eigen::Vector3f> points(count);
-  for (const pcl::PCLPointField& field : blob.fields) {
-    const std::size_t found = std::string("xyz").find(field.name);
-    if (field.name.size() != 1 || found == std::string::npos) continue;
-    const auto axis = static_cast<Eigen::Index>(found);
-    const bool is_double = field.datatype == pcl::PCLPointField::FLOAT64;
-    if (field.offset + (is_double ? 8 : 4) > blob.point_step)
-      throw CloudFileError(fmt::format("{}: its header contradicts itself", path.string()));
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::uint8_t* at = &blob.data[i * blob.point_step + field.offset];
-      double value = 0;
-      float single = 0;
-      if (is_double)
-        std::memcpy(&value, at, sizeof value);
-      else
-        std::memcpy(&single, at, sizeof single);
-      points[i](axis) = static_cast<float>((is_double ? value : static_cast<double>(single)) - origin(axis));
-    }
-  }
-  return points;
-}
-
 std::vector<Eigen::Isometry3d> read_poses(const std::string& path) {
   check_file(path);
   std::ifstream in(path);
@@ -147,8 +71,10 @@ std::vector<Eigen::Isometry3d> read_poses(const std::string& path) {
     std::istringstream row(line);
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     for (int i = 0; i < 12; ++i) row >> pose.matrix()(i / 4, i % 4);
+    std::string more;  // KITTI-360 puts an index before the twelve numbers
     const Eigen::Matrix3d R = pose.linear();
-    if (!row || !pose.matrix().allFinite() || !(R * R.transpose()).isIdentity(1e-3) || R.determinant() < 0)
+    if (!row || row >> more || !pose.matrix().allFinite() || !(R * R.transpose()).isIdentity(1e-3) ||
+        R.determinant() < 0)
       throw CloudFileError(fmt::format("{}:{}: expected 12 numbers, the rows of a 3x4 pose", path, number));
     poses.push_back(pose);
   }
@@ -161,7 +87,9 @@ std::vector<Eigen::Vector3f> read_cloud(const std::string& path, const Eigen::Ve
   if (!std::filesystem::exists(path)) throw CloudFileError(fmt::format("{}: no such file", path));
   if (!is_cloud(path)) throw CloudFileError(fmt::format("{}: is not a .pcd, .ply or KITTI .bin file", path));
   check_file(path);
-  std::vector<Eigen::Vector3f> points = ending(path) == ".bin" ? read_kitti(path, origin) : read_with_pcl(path, origin);
+  std::vector<Eigen::Vector3f> points = ending(path) == ".bin"   ? read_kitti(path, origin)
+                                        : ending(path) == ".pcd" ? read_pcd(path, origin)
+                                                                 : read_ply(path, origin);
   if (points.empty()) throw CloudFileError(fmt::format("{}: holds no points", path));
   return points;
 }

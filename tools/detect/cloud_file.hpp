@@ -1,24 +1,18 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "tools/detect/cloud_file_error.hpp"
 #include "tools/detect/cloud_map/cloud_map.hpp"
 
 namespace curbstone::detect {
 
-/// A one-line error that names the file.
-class CloudFileError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-/// Reads a cloud; the file name's extension gives the format: .pcd and .ply (PCL), .bin (KITTI: float32 x y z
-/// intensity). The points are relative to `origin`, in the file's frame, because the coordinates of a georeferenced
-/// cloud (float64) are too large for float32. Non-finite points are kept (map_cloud() counts them). Throws
-/// CloudFileError: missing, truncated, not a cloud, empty.
+/// Reads a cloud; the file name's extension gives the format: .pcd, .ply, .bin (KITTI: float32 x y z intensity). The
+/// points are relative to `origin`, in the file's frame, because the coordinates of a georeferenced cloud (float64) are
+/// too large for float32. Non-finite points are kept (map_cloud() counts them). Throws CloudFileError: missing,
+/// truncated, not a cloud, empty.
 [[nodiscard]] std::vector<Eigen::Vector3f> read_cloud(const std::string& path,
                                                       const Eigen::Vector3d& origin = Eigen::Vector3d::Zero());
 

@@ -17,6 +17,7 @@
 
 #include "common/bus/decode.hpp"
 #include "common/bus/harmless_counters.hpp"
+#include "common/bus/single_sender.hpp"
 #include "common/log/log_reader.hpp"
 #include "common/statistics/quantile.hpp"
 #include "common/tiles/tile.hpp"
@@ -56,16 +57,18 @@ std::int64_t counter_of(const service_status_t& status, const char* name) {
 }
 
 /// Counts the gaps in sequence numbers that increase by one per message: lidar_points_t.packet, imu_t.sequence,
-/// wheels_t.sequence.
+/// wheels_t.sequence. The numbers of a second sender, such as a log that was played into the bus, are left out.
 class SequenceGaps {
  public:
-  void see(std::int32_t number) {
+  void see(std::int64_t utime, std::int32_t number) {
+    if (!sender_.accept(utime, number)) return;
     if (last_ && number > *last_) missing_ += number - *last_ - 1;  // a smaller one: the driver was restarted
     last_ = number;
   }
   [[nodiscard]] std::int64_t missing() const { return missing_; }
 
  private:
+  SingleSender sender_;
   std::optional<std::int64_t> last_;
   std::int64_t missing_ = 0;
 };
@@ -97,11 +100,12 @@ class Recording {
   Recording() {
     on<lidar_points_t>("LIDAR_POINTS", [this](const lidar_points_t& points, std::int64_t log_utime) {
       passed("LIDAR_POINTS", points.utime, log_utime);
-      gaps["LIDAR_POINTS"].see(points.packet);
+      gaps["LIDAR_POINTS"].see(points.utime, points.packet);
       lidar_end = log_utime;
     });
-    on<imu_t>("IMU", [this](const imu_t& imu, std::int64_t) { gaps["IMU"].see(imu.sequence); });
-    on<wheels_t>("WHEELS", [this](const wheels_t& wheels, std::int64_t) { gaps["WHEELS"].see(wheels.sequence); });
+    on<imu_t>("IMU", [this](const imu_t& imu, std::int64_t) { gaps["IMU"].see(imu.utime, imu.sequence); });
+    on<wheels_t>("WHEELS",
+                 [this](const wheels_t& wheels, std::int64_t) { gaps["WHEELS"].see(wheels.utime, wheels.sequence); });
     on_stage<odometry_t>("ODOMETRY");
     on<map_pose_t>("MAP_POSE", [this](const map_pose_t& pose, std::int64_t log_utime) {
       passed("MAP_POSE", pose.utime, log_utime);

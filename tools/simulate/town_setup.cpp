@@ -25,13 +25,19 @@ motion::SpeedProfile speed_profile(const rig::SimulateConfig& config, double sec
   options.standstill = config.standstill;
   options.acceleration = config.acceleration;
   options.distance = distance;
+  options.manoeuvres = config.manoeuvres;
+  if (config.manoeuvres) options.drive = 12.0;  // s: several in a minute
   return {options, seconds};
 }
 
 TownSetup::TownSetup(const TownTour& tour, std::int64_t start_utime, const rig::SimulateConfig& config)
     : config_(config),
-      town_(
-          {.seed = tour.seed, .loop = tour.loop, .straight = tour.straight, .lane_offset = tour.lane, .day = tour.day}),
+      town_({.seed = tour.seed,
+             .loop = tour.loop,
+             .straight = tour.straight,
+             .lane_offset = tour.lane,
+             .steepness = config.steepness,
+             .day = tour.day}),
       ground_(town_, config_.paint),
       motion_(tour_motion(town_, tour, config_)),
       drive_{

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <charconv>
+#include <chrono>
+#include <span>
 
 #include "drivers/encoder/can/hex.hpp"
 
@@ -16,12 +18,43 @@ std::optional<std::int64_t> parse_decimal(std::string_view text) {
   return value;
 }
 
-/// "1608055974.318981"
+/// "318981", one to nine digits: python-can and candump -N write others than six. In us.
+std::optional<std::int64_t> parse_fraction(std::string_view text) {
+  constexpr std::size_t kMicros = 6;
+  if (text.size() > 9 || !parse_decimal(text)) return {};
+  std::string micros(text.substr(0, kMicros));
+  micros.resize(kMicros, '0');
+  return parse_decimal(micros);
+}
+
+/// "2020-12-15 18:12:54", in s since the Unix epoch.
+std::optional<std::int64_t> parse_date(std::string_view text) {
+  if (text.size() != 19 || text[4] != '-' || text[7] != '-' || text[10] != ' ' || text[13] != ':' || text[16] != ':')
+    return {};
+  const auto year = parse_decimal(text.substr(0, 4));
+  const auto month = parse_decimal(text.substr(5, 2));
+  const auto day = parse_decimal(text.substr(8, 2));
+  const auto hour = parse_decimal(text.substr(11, 2));
+  const auto minute = parse_decimal(text.substr(14, 2));
+  const auto second = parse_decimal(text.substr(17, 2));
+  if (!year || !month || !day || !hour || !minute || !second || *hour > 23 || *minute > 59 || *second > 60) return {};
+  const std::chrono::year_month_day date(std::chrono::year(static_cast<int>(*year)),
+                                         std::chrono::month(static_cast<unsigned>(*month)),
+                                         std::chrono::day(static_cast<unsigned>(*day)));
+  if (!date.ok()) return {};
+  const std::int64_t days = std::chrono::sys_days(date).time_since_epoch().count();
+  return ((days * 24 + *hour) * 60 + *minute) * 60 + *second;
+}
+
+/// "1608055974.318981", "000.012345" or "2020-12-15 18:12:54.318981", in us.
 std::optional<std::int64_t> parse_stamp(std::string_view text) {
   const std::size_t dot = text.find('.');
-  if (dot == std::string_view::npos || dot > 12 || text.size() - dot != 7) return {};
-  const auto seconds = parse_decimal(text.substr(0, dot));
-  const auto micros = parse_decimal(text.substr(dot + 1));
+  if (dot == std::string_view::npos) return {};
+  const std::string_view whole = text.substr(0, dot);
+  const auto seconds = whole.find('-') != std::string_view::npos ? parse_date(whole)
+                       : dot <= 12                               ? parse_decimal(whole)
+                                                                 : std::nullopt;
+  const auto micros = parse_fraction(text.substr(dot + 1));
   if (!seconds || !micros) return {};
   return *seconds * 1'000'000 + *micros;
 }
@@ -85,21 +118,77 @@ std::string_view next_word(std::string_view& text) {
   return word;
 }
 
+/// What candump shows behind the interface: "202   [8]  90 3C ...", "12345678   [0]  remote request", and with -x
+/// before it "TX - -". Of CAN FD the length has two digits.
+std::optional<CandumpLine> parse_shown(std::string_view word, std::string_view rest) {
+  if (word == "TX" || word == "RX") {
+    for (int flags = 0; flags < 2; ++flags) {
+      if (next_word(rest).size() != 1) return {};
+    }
+    word = next_word(rest);
+  }
+  CandumpLine line;
+  const auto id = word.size() < 3 ? std::nullopt : parse_hex(word);
+  std::string_view length = next_word(rest);
+  if (!id || length.size() < 3) return {};
+  const bool code = length.front() == '{';  // candump -8: a length code above 8 of a frame of 8 bytes
+  if (length.back() != (code ? '}' : ']') || (!code && length.front() != '[')) return {};
+  length = length.substr(1, length.size() - 2);
+  const auto number = code ? std::optional<std::int64_t>(8) : parse_decimal(length);
+  if (!number || length.size() > 4) return {};
+  // Older versions write a 29-bit id without leading zeros.
+  line.frame.extended = word.size() > 3;
+  constexpr std::uint32_t kErrorFlag = 0x20000000;
+  line.other = length.size() > 1 || (*id & kErrorFlag) != 0;
+  if (line.other) return line;
+  if (*id > (line.frame.extended ? kMaxExtendedId : kMaxStandardId) || *number > 8) return {};
+  line.frame.id = *id;
+  line.frame.size = static_cast<std::uint8_t>(*number);
+  std::string_view after = rest;
+  if (next_word(after) == "remote" && next_word(after) == "request") {
+    line.frame.remote = true;
+    return line;
+  }
+  for (std::size_t i = 0; i < line.frame.size; ++i) {
+    const std::string_view byte = next_word(rest);
+    if (byte.size() != 2 || !parse_hex_bytes(byte, std::span(line.frame.data).subspan(i, 1))) return {};
+  }
+  const std::string_view end = next_word(rest);
+  if (!end.empty() && end.front() != '\'') return {};  // -a: the bytes as text
+  return line;
+}
+
 }  // namespace
 
 std::optional<CandumpLine> parse_candump_line(std::string_view line) {
-  const std::string_view stamp = next_word(line);
-  const std::string_view interface = next_word(line);
+  const std::size_t begin = line.find_first_not_of(" \t\r");
+  const std::size_t end = line.find(')');
+  if (begin == std::string_view::npos || line[begin] != '(' || end == std::string_view::npos) return {};
+  const auto utime = parse_stamp(line.substr(begin + 1, end - begin - 1));
+  line.remove_prefix(end + 1);
+  if (!utime || line.empty() || (line[0] != ' ' && line[0] != '\t')) return {};
+  const std::string interface(next_word(line));
   const std::string_view frame_text = next_word(line);
-  if (stamp.size() < 3 || stamp.front() != '(' || stamp.back() != ')' || interface.empty()) return {};
+  if (frame_text.find('#') == std::string_view::npos) {
+    auto shown = parse_shown(frame_text, line);
+    if (!shown) return {};
+    shown->utime = *utime;
+    shown->interface = interface;
+    return shown;
+  }
   const std::string_view direction = next_word(line);  // newer versions of candump add T or R
   if (!direction.empty() && direction != "T" && direction != "R") return {};
-  const auto utime = parse_stamp(stamp.substr(1, stamp.size() - 2));
-  if (!utime) return {};
-  if (is_other(frame_text)) return CandumpLine{*utime, std::string(interface), {}, true};
+  if (is_other(frame_text)) return CandumpLine{*utime, interface, {}, true};
   const auto frame = parse_frame(frame_text);
   if (!frame) return {};
-  return CandumpLine{*utime, std::string(interface), *frame};
+  return CandumpLine{*utime, interface, *frame};
+}
+
+bool is_candump_without_time(std::string_view line) {
+  const std::string_view interface = next_word(line);
+  if (interface.empty() || interface[0] == '(') return false;
+  const std::string_view word = next_word(line);
+  return parse_shown(word, line).has_value();
 }
 
 }  // namespace curbstone::encoder::can

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <stdexcept>
@@ -13,6 +14,7 @@ namespace curbstone::encoder::signals {
 namespace {
 
 constexpr int kBits = 64;
+constexpr std::string_view kBlanks = " \t";
 
 /// Parses a signal's text from the left.
 class Text {
@@ -22,11 +24,11 @@ class Text {
   [[noreturn]] void fail(std::string_view why) const {
     throw std::runtime_error(fmt::format("\"{}\": {}; expected e.g. \"181 0|32@1- (1,0)\"", text_, why));
   }
-  void skip_blanks() {
-    while (!rest_.empty() && rest_[0] == ' ') rest_.remove_prefix(1);
-  }
+  void skip_blanks() { rest_.remove_prefix(std::min(rest_.find_first_not_of(kBlanks), rest_.size())); }
   [[nodiscard]] bool empty() const { return rest_.empty(); }
+  /// Blanks before it do not matter.
   bool take(char c) {
+    skip_blanks();
     if (rest_.empty() || rest_[0] != c) return false;
     rest_.remove_prefix(1);
     return true;
@@ -35,12 +37,13 @@ class Text {
     if (!take(c)) fail(fmt::format("'{}' is missing", c));
   }
   std::string_view word() {
-    const std::string_view word = rest_.substr(0, rest_.find(' '));
+    const std::string_view word = rest_.substr(0, rest_.find_first_of(kBlanks));
     rest_.remove_prefix(word.size());
     return word;
   }
   template <class Number>
   Number number(const char* what) {
+    skip_blanks();
     Number value{};
     const auto [end, error] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), value);
     if (error != std::errc{}) fail(fmt::format("{} is no number", what));
@@ -79,7 +82,8 @@ CanSignal CanSignal::parse(std::string_view text) {
   CanSignal signal;
   Text rest(text);
   rest.skip_blanks();
-  const std::string_view id = rest.word();
+  std::string_view id = rest.word();
+  if (id.starts_with("0x") || id.starts_with("0X")) id.remove_prefix(2);
   const auto number = can::parse_hex(id);
   signal.extended = id.size() == 8;
   if (!number || (id.size() > 3 && !signal.extended) ||
@@ -87,7 +91,6 @@ CanSignal CanSignal::parse(std::string_view text) {
     rest.fail("the id has 1 to 3 hexadecimal digits, up to 7FF, or 8, up to 1FFFFFFF");
   }
   signal.id = *number;
-  rest.skip_blanks();
   signal.start = rest.number<int>("the start bit");
   rest.expect('|');
   signal.length = rest.number<int>("the length");
@@ -95,17 +98,15 @@ CanSignal CanSignal::parse(std::string_view text) {
   const int order = rest.number<int>("the byte order");
   if (order != 0 && order != 1) rest.fail("the byte order is 1 (little-endian) or 0 (big-endian)");
   signal.big_endian = order == 0;
-  rest.skip_blanks();
   signal.is_signed = !rest.take('+');
   if (signal.is_signed) rest.expect('-');
-  rest.skip_blanks();
   if (rest.take('(')) {
     signal.factor = rest.number<double>("the factor");
     rest.expect(',');
     signal.offset = rest.number<double>("the offset");
     rest.expect(')');
-    rest.skip_blanks();
   }
+  rest.skip_blanks();
   if (!rest.empty()) rest.fail("something follows");
   if (signal.start < 0 || signal.start >= kBits || signal.length < 1 || signal.length > kBits ||
       end_bit(signal) > kBits) {

@@ -24,8 +24,8 @@ struct CanSignal {
   double offset = 0;
 
   /// Parses "ID START|LENGTH@ORDER SIGN (FACTOR,OFFSET)", such as "181 0|32@1- (1,0)": the id in hexadecimal (8 digits:
-  /// 29 bits), order 1 little-endian, 0 big-endian, sign - or +. (FACTOR,OFFSET) is optional. Throws std::runtime_error
-  /// with a one-line message for anything else and for a signal that does not fit into 8 bytes.
+  /// 29 bits; 0x may precede it), order 1 little-endian, 0 big-endian, sign - or +. (FACTOR,OFFSET) is optional. Throws
+  /// std::runtime_error with a one-line message for anything else and for a signal that does not fit into 8 bytes.
   [[nodiscard]] static CanSignal parse(std::string_view text);
 
   [[nodiscard]] bool is_in(const can::CanFrame& frame) const { return frame.id == id && frame.extended == extended; }

@@ -1,6 +1,6 @@
 #include "drivers/encoder/traces/pcan_trace.hpp"
 
-#include <array>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -14,12 +14,30 @@ constexpr double kEpochDay = 25569;  // 1970-01-01, in days since 1899-12-30
 constexpr double kMaxDays = 100'000;
 constexpr double kMaxOffset = 1e12;  // ms: 30 years
 constexpr std::size_t kMaxColumns = 16;
+constexpr double kMaxCode = 15;      // of a length
+constexpr double kMaxLength = 1785;  // bytes, J1939
+constexpr std::string_view kStatusId = "FFFFFFFF";
+
+/// The columns of a version, where its file does not name them.
+struct Format {
+  std::string_view version;
+  const char* columns;
+};
+constexpr Format kFormats[] = {{"1.0", "NOILD"},   {"1.1", "NOTILD"},    {"1.2", "NOBTILD"},       {"1.3", "NOBTIRLD"},
+                               {"2.0", "NOTIdlD"}, {"2.1", "NOTBIdRLD"}, {"3.0", "NOTBIdRVSArsLD"}};
 
 std::optional<double> parse_number(std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
   if (text.empty() || error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return {};
   return value;
+}
+
+/// "72.1", or "72,1": PCAN-View writes the decimal sign of its host's language.
+std::optional<double> parse_decimal(std::string_view word) {
+  std::string text(word.substr(0, 32));
+  if (std::ranges::count(text, ',') == 1 && text.find('.') == std::string::npos) text[text.find(',')] = '.';
+  return parse_number(text);
 }
 
 /// Removes and returns the first word; empty at the end.
@@ -59,15 +77,19 @@ Type type_of(std::string_view word, bool old) {
 void PcanTrace::on_keyword(std::string_view line) {
   const std::size_t equals = line.find('=');
   if (equals == std::string_view::npos) return;
-  const std::string_view key = line.substr(0, equals);
+  std::string_view before = line.substr(0, equals);
+  const std::string_view key = next_word(before);
   std::string_view rest = line.substr(equals + 1);
-  const std::string_view value = next_word(rest);
+  std::string_view value = next_word(rest);
+  if (value.ends_with(';')) value.remove_suffix(1);  // PCAN-Explorer 5
   if (key == ";$FILEVERSION") {
-    old_ = value == "1.1";
-    foreign_version_ = old_ || value == "2.0" || value == "2.1" ? "" : std::string(value.substr(0, 20));
-    columns_ = old_ ? "NOTILD" : value == "2.0" ? "NOTIdlD" : "NOTBIdRLD";
+    const auto* format = std::ranges::find(kFormats, value, &Format::version);
+    const bool known = format != std::end(kFormats);
+    foreign_version_ = known ? "" : std::string(value.substr(0, 20));
+    if (known) columns_ = format->columns;
+    old_ = value.starts_with("1.");
   } else if (key == ";$STARTTIME") {
-    const auto days = parse_number(value);
+    const auto days = parse_decimal(value);
     if (days && *days >= kEpochDay && *days <= kMaxDays) start_ = std::llround((*days - kEpochDay) * 86400e6);
   } else if (key == ";$COLUMNS") {
     columns_.clear();
@@ -79,45 +101,56 @@ void PcanTrace::on_keyword(std::string_view line) {
 
 PcanTrace::Line PcanTrace::parse(std::string_view text) {
   Line line;
+  text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
   if (text.starts_with(";$")) on_keyword(text);
-  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos || text[0] == ';') {
+  if (text.empty() || text[0] == ';') {
     line.kind = Line::Kind::kComment;
     return line;
   }
-  if (columns_.find('O') == std::string::npos || columns_.find('T') == std::string::npos ||
-      columns_.find('I') == std::string::npos || columns_.find_first_of("Ll") == std::string::npos ||
-      columns_.back() != 'D') {
+  if (columns_.find('O') == std::string::npos || columns_.find('I') == std::string::npos ||
+      columns_.find_first_of("Ll") == std::string::npos || columns_.back() != 'D' ||
+      (!old_ && columns_.find('T') == std::string::npos)) {
     return line;  // without these nothing can be parsed
   }
-  Type type = Type::kOther;
+  const auto of_kind = [&line](Line::Kind kind) {
+    line.kind = kind;
+    return line;
+  };
+  Type type = Type::kData;
+  bool addressed = false;  // J1939: to one address, and then of any length
   std::string_view rest = text;
   for (const char column : columns_) {
     if (column == 'D') break;
     const std::string_view word = next_word(rest);
     if (word.empty()) return line;
     if (column == 'O') {
-      const auto offset = parse_number(word);
+      const auto offset = parse_decimal(word);
       if (!offset || *offset < 0 || *offset > kMaxOffset) return line;
       line.utime = start_ + std::llround(*offset * 1e3);
     } else if (column == 'T') {
       type = type_of(word, old_);
-      if (type == Type::kOther) {  // its columns differ
-        line.kind = Line::Kind::kOther;
-        return line;
-      }
+      if (type == Type::kOther) return of_kind(Line::Kind::kOther);  // its columns differ
     } else if (column == 'B') {
       line.bus = word;
     } else if (column == 'I') {
+      if (old_ && word == kStatusId) return of_kind(Line::Kind::kOther);
       if (!parse_id(word, line.frame)) return line;
+    } else if (column == 'R') {
+      addressed = word != "-";
     } else if (column == 'L' || column == 'l') {
-      if (word.size() != 1 || word[0] < '0' || word[0] > '8') return line;
-      line.frame.size = static_cast<std::uint8_t>(word[0] - '0');
+      const auto length = parse_number(word);
+      if (!length || *length < 0 || *length > kMaxLength || *length != std::floor(*length)) return line;
+      // A length code above 8 of a classical frame is 8 bytes; a length above it is a J1939 message of several frames.
+      if (*length > 8 && (column == 'l' || addressed || *length > kMaxCode)) return of_kind(Line::Kind::kOther);
+      line.frame.size = static_cast<std::uint8_t>(std::min(*length, 8.0));
     }
   }
-  line.frame.remote = type == Type::kRemote || (old_ && rest.find("RTR") != std::string_view::npos);
+  std::string_view after = rest;
+  const std::string_view first = next_word(after);
+  if (old_ && first == "ERROR") return of_kind(Line::Kind::kOther);
+  line.frame.remote = type == Type::kRemote || (old_ && first == "RTR");
   if (!line.frame.remote && !parse_data(rest, line.frame)) return line;
-  line.kind = Line::Kind::kFrame;
-  return line;
+  return of_kind(Line::Kind::kFrame);
 }
 
 }  // namespace curbstone::encoder::traces

@@ -9,15 +9,15 @@
 
 namespace curbstone::encoder::traces {
 
-/// Parses the lines of a PCAN trace of version 1.1, 2.0 or 2.1, in order: the first lines define the format of the
-/// others. Source: PEAK CAN TRC File Format (2020). Pure.
+/// Parses the lines of a PCAN trace of version 1.0 to 1.3, 2.0, 2.1 or 3.0, in order: the first lines define the format
+/// of the others. A file that names no version is of 1.0. Source: PEAK CAN TRC File Format (2020). Pure.
 class PcanTrace {
  public:
   struct Line {
     enum class Kind {
       kFrame,
       kComment,  ///< heading, comment, empty line
-      kOther,    ///< error frame, CAN FD, bus state, event: no classical frame
+      kOther,    ///< error frame, CAN FD, CAN XL, bus state, event, long J1939 message: no classical frame
       kRefused,  ///< not a line of such a file
     } kind = Kind::kRefused;
     std::int64_t utime = 0;  ///< us; the file's start is local time, and is taken as UTC
@@ -26,15 +26,15 @@ class PcanTrace {
   };
 
   [[nodiscard]] Line parse(std::string_view line);
-  /// A version that is not supported, "1.3"; empty otherwise.
+  /// A version that is not supported, "4.0"; empty otherwise.
   [[nodiscard]] const std::string& foreign_version() const { return foreign_version_; }
 
  private:
   void on_keyword(std::string_view line);
 
-  std::string columns_ = "NOTILD";  ///< one letter each; those of version 1.1
-  bool old_ = true;                 ///< version 1.1: types are Rx, Tx; a remote frame says RTR
-  std::int64_t start_ = 0;          ///< us since the Unix epoch
+  std::string columns_ = "NOILD";  ///< one letter each; those of version 1.0
+  bool old_ = true;                ///< version 1.x: types are Rx, Tx; a remote frame says RTR
+  std::int64_t start_ = 0;         ///< us since the Unix epoch
   std::string foreign_version_;
 };
 

@@ -13,32 +13,100 @@
 namespace curbstone::encoder::traces {
 
 namespace {
-constexpr int kHeading = 1000;             // lines
+
+constexpr std::size_t kHeading = 1000;     // lines
 constexpr std::size_t kLongestLine = 512;  // characters
+constexpr std::size_t kLongestQuote = 60;  // characters
+
+/// A line as an error message quotes it.
+std::string quoted(std::string_view line) {
+  std::string text(line.substr(0, std::min(line.find_last_not_of(" \t\r") + 1, kLongestQuote)));
+  for (char& c : text) {
+    if (c < ' ' || c > '~') c = c == '\t' ? ' ' : '?';
+  }
+  return text;
+}
+
+/// Whether a PCAN trace says so, or begins as one of version 1.0, which says nothing: "     1)      1841  0001  8".
+bool is_pcan(const std::deque<std::string>& lines) {
+  for (const std::string& line : lines) {
+    const std::size_t begin = line.find_first_not_of(" \t\r");
+    if (begin == std::string::npos) continue;
+    const std::string_view text = std::string_view(line).substr(begin);
+    if (text.starts_with(";$FILEVERSION")) return true;
+    if (text[0] == ';') continue;
+    const std::size_t digits = text.find_first_not_of("0123456789");
+    return digits != 0 && digits != std::string_view::npos && text[digits] == ')';
+  }
+  return false;
+}
+
+/// Whether the times are the intervals between frames: those of candump -td go back at every other line.
+bool are_intervals(const std::deque<std::string>& lines) {
+  constexpr std::int64_t kFirstDate = 100'000'000'000'000;  // us: no clock is in the year 1973
+  constexpr int kEnough = 4;
+  std::optional<std::int64_t> last;
+  int steps = 0;
+  int back = 0;
+  for (const std::string& text : lines) {
+    const auto line = can::parse_candump_line(text);
+    if (!line || line->utime >= kFirstDate) continue;
+    steps += last ? 1 : 0;
+    back += last && line->utime < *last ? 1 : 0;
+    last = line->utime;
+  }
+  return steps >= kEnough && 4 * back > steps;
+}
+
 }  // namespace
 
 TraceFile::TraceFile(std::string path, std::vector<std::uint32_t> ours)
     : path_(std::move(path)), file_(path_, std::ios::binary), ours_(std::move(ours)) {
-  const auto fail = [this](const std::string& why) { throw std::runtime_error(fmt::format("{}: {}", path_, why)); };
   if (!file_) fail(std::strerror(errno));
   std::string text;
-  for (int i = 0; i < kHeading && !first_ && read_line(text); ++i) {
-    pcan_ |= text.starts_with(";$FILEVERSION");
+  while (heading_.size() < kHeading && read_from_file(text)) heading_.push_back(text);
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (!heading_.empty() && heading_[0].starts_with(kByteOrderMark)) heading_[0].erase(0, kByteOrderMark.size());
+  pcan_ = is_pcan(heading_);
+  if (!pcan_ && are_intervals(heading_))
+    fail("its times are the intervals between frames (candump -td); record with candump -l, -ta or -tz");
+  const auto refused = [this] { return static_cast<std::size_t>(counters_["refused.trace_line"]); };
+  while (!first_ && refused() < kHeading && read_line(text)) {
+    const bool none = refused() == 0;
     first_ = parse(text);
-    if (!trace_.foreign_version().empty())
-      fail(fmt::format("a PCAN trace of version {}; 1.1, 2.0 and 2.1 can be read", trace_.foreign_version()));
+    if (!trace_.foreign_version().empty()) {
+      fail(fmt::format("a PCAN trace of version {}; 1.0 to 1.3, 2.0, 2.1 and 3.0 can be read",
+                       trace_.foreign_version()));
+    }
+    if (!pcan_ && can::is_candump_without_time(text))
+      fail(fmt::format("line {} has no time; record with candump -l, -ta or -tz", line_));
+    if (none && refused() > 0) first_refused_ = fmt::format("; line {}: \"{}\"", line_, quoted(text));
   }
-  if (!first_) fail("no CAN frames: neither a candump log nor a PCAN trace");
+  if (!first_ && counters_["ignored.trace_line"] > 0) fail("no classical CAN frames, only CAN FD, errors or events");
+  if (!first_ && pcan_) fail(fmt::format("a PCAN trace without CAN frames{}", first_refused_));
+  if (!first_) fail(fmt::format("no CAN frames: neither a candump log nor a PCAN trace{}", first_refused_));
+}
+
+void TraceFile::fail(const std::string& why) const {
+  throw std::runtime_error(fmt::format("{}: {}", path_, why));
 }
 
 /// A line that is too long is cut, and refused later: no file can fill the memory.
-bool TraceFile::read_line(std::string& text) {
+bool TraceFile::read_from_file(std::string& text) {
   text.clear();
   for (int c = file_.get(); c != EOF; c = file_.get()) {
     if (c == '\n') return true;
     if (text.size() < kLongestLine) text.push_back(static_cast<char>(c));
   }
   return !text.empty();
+}
+
+bool TraceFile::read_line(std::string& text) {
+  ++line_;
+  if (heading_.empty()) return read_from_file(text);
+  text = std::move(heading_.front());
+  heading_.pop_front();
+  return true;
 }
 
 std::optional<TraceFile::Frame> TraceFile::parse(const std::string& text) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <fstream>
 #include <optional>
 #include <string>
@@ -23,8 +24,8 @@ class TraceFile {
     can::CanFrame frame;
   };
 
-  /// Throws std::runtime_error with a one-line message if the file cannot be read, has no frame among its first 1000
-  /// lines, or is of an unsupported version. `ours`: CAN ids, bit 31 marks a 29-bit id.
+  /// Throws std::runtime_error with a one-line message if the file cannot be read, begins with 1000 lines that are none
+  /// of a recording, is of an unsupported version, or has no times. `ours`: CAN ids, bit 31 marks a 29-bit id.
   explicit TraceFile(std::string path, std::vector<std::uint32_t> ours = {});
 
   /// The next frame; nothing at the end.
@@ -32,12 +33,17 @@ class TraceFile {
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
+  [[noreturn]] void fail(const std::string& why) const;
+  bool read_from_file(std::string& text);
   bool read_line(std::string& text);
   std::optional<Frame> parse(const std::string& text);
   [[nodiscard]] bool is_ours(const can::CanFrame& frame) const;
 
   std::string path_;
   std::ifstream file_;
+  std::deque<std::string> heading_;  // the file's first lines, until they are parsed
+  int line_ = 0;                     // number of the line that was parsed last
+  std::string first_refused_;        // for the error message
   bool pcan_ = false;
   PcanTrace trace_;
   std::vector<std::uint32_t> ours_;

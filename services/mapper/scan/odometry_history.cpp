@@ -11,27 +11,75 @@ namespace {
 constexpr std::int64_t kMeasured = 30'000;    // us of samples from which the motion is extrapolated
 constexpr std::int64_t kShortestGap = 4'000;  // us: one sample at 400 Hz
 
+/// How far a pose may lie from where it is expected.
+struct Reach {
+  double metres, radians;  // in a second: grows with the time, or with its square, as the expectation is
+  int power;
+};
+constexpr Reach kFastest{40, 10, 1};  // of a vehicle, from its last pose
+constexpr Reach kHardest{10, 20, 2};  // of a change of motion, from where its motion leads
+
+bool is_near(const Pose& a, const Pose& b, double dt, const Reach& reach) {
+  constexpr double kCorrection = 0.2, kTurnCorrection = 0.1;  // m, rad: a filter corrects itself
+  const double grown = std::pow(dt, reach.power);
+  return (a.translation() - b.translation()).norm() <= kCorrection + reach.metres * grown &&
+         angle_of(a.inverse() * b) <= kTurnCorrection + reach.radians * grown;
+}
+
 }  // namespace
 
 OdometryHistory::Added OdometryHistory::add(const OdometrySample& sample) {
-  if (!samples_.empty() && sample.utime <= samples_.back().utime) {
-    const std::int64_t back = samples_.back().utime - sample.utime;
-    const bool goes_on =
-        !late_.empty() && sample.utime > late_.back().utime && sample.utime - late_.back().utime <= kMaxGap;
-    if (!goes_on) late_.clear();
-    late_.push_back(sample);
-    const std::size_t enough = back < kFarBack ? kAgreeing : kAgreeingFarBack;
-    if (back < kSetBack || late_.size() < enough) {
-      if (late_.size() > kAgreeingFarBack) late_.pop_front();
-      return Added::kLate;
-    }
-    samples_ = std::exchange(late_, {});
-    return Added::kClockJump;
-  }
+  if (!samples_.empty() && sample.utime <= samples_.back().utime) return add_late(sample);
   late_.clear();
+  if (samples_.empty() || leads_to(sample)) {
+    if (!elsewhere_.empty()) note_second_filter(sample.utime);
+    elsewhere_.clear();
+    append(sample);
+    return Added::kYes;
+  }
+  if (!elsewhere_.empty() && !is_near(elsewhere_.back().T_odom_base, sample.T_odom_base,
+                                      seconds(elsewhere_.back().utime, sample.utime), kFastest))
+    elsewhere_.clear();
+  elsewhere_.push_back(sample);
+  if (elsewhere_.size() < kAgreeingElsewhere) return Added::kElsewhere;
+  for (const OdometrySample& leapt : std::exchange(elsewhere_, {})) append(leapt);
+  return Added::kYes;
+}
+
+OdometryHistory::Added OdometryHistory::add_late(const OdometrySample& sample) {
+  const std::int64_t back = samples_.back().utime - sample.utime;
+  const bool goes_on =
+      !late_.empty() && sample.utime > late_.back().utime && sample.utime - late_.back().utime <= kMaxGap;
+  if (!goes_on) late_.clear();
+  late_.push_back(sample);
+  const std::size_t enough = back < kFarBack ? kAgreeing : kAgreeingFarBack;
+  if (back < kSetBack || late_.size() < enough) {
+    if (late_.size() > kAgreeingFarBack) late_.pop_front();
+    return Added::kLate;
+  }
+  samples_ = std::exchange(late_, {});
+  elsewhere_.clear();
+  return Added::kClockJump;
+}
+
+/// Once may be a sample that was wrong; again within kReportedFor is another filter.
+void OdometryHistory::note_second_filter(std::int64_t utime) {
+  if (utime - other_dropped_ < kReportedFor) second_filter_ = utime;
+  other_dropped_ = utime;
+}
+
+void OdometryHistory::append(const OdometrySample& sample) {
   samples_.push_back(sample);
   if (samples_.size() > kCapacity) samples_.pop_front();
-  return Added::kYes;
+}
+
+bool OdometryHistory::leads_to(const OdometrySample& sample) const {
+  const std::size_t last = samples_.size() - 1;
+  if (sample.utime - samples_[last].utime > kMaxGap) return true;
+  const double dt = seconds(samples_[last].utime, sample.utime);
+  const bool has_motion = last > 0 && samples_[last].utime - samples_[last - 1].utime <= kMaxGap;
+  return has_motion ? is_near(beyond(last, sample.utime), sample.T_odom_base, dt, kHardest)
+                    : is_near(samples_[last].T_odom_base, sample.T_odom_base, dt, kFastest);
 }
 
 bool OdometryHistory::fill(const OdometrySample& sample) {
@@ -39,6 +87,10 @@ bool OdometryHistory::fill(const OdometrySample& sample) {
   if (sample.utime < samples_.front().utime && (begin_ == 0 || sample.utime < begin_)) return false;
   const std::size_t place = lower_bound(sample.utime);
   if (samples_[place].utime == sample.utime) return false;
+  if (place > 0 && samples_[place].utime - samples_[place - 1].utime <= kMaxGap &&
+      !is_near(samples_[place - 1].T_odom_base, sample.T_odom_base, seconds(samples_[place - 1].utime, sample.utime),
+               kFastest))
+    return false;
   samples_.insert(samples_.begin() + static_cast<std::ptrdiff_t>(place), sample);
   return true;
 }

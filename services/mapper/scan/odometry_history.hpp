@@ -23,7 +23,8 @@ struct OdometrySample {
 
 /// A bounded history of odometry in order of time. Gives the pose at any time in between, and up to kLead beyond the
 /// newest sample: a vehicle's motion hardly changes in so short a time, and a scan need not wait for the next sample.
-/// Pure; one thread.
+/// Of two filters that publish at the same time the first is used: the other one began elsewhere, so its poses do not
+/// continue these. Pure; one thread.
 class OdometryHistory {
  public:
   static constexpr std::int64_t kLead = 20'000;        ///< us: an error of 0.4 mm at 2 m/s^2
@@ -33,13 +34,21 @@ class OdometryHistory {
   static constexpr int kAgreeing = 5;                  ///< row continue each other. From kFarBack on, which a log that
   static constexpr std::int64_t kFarBack = 1'000'000;  ///< is played into the bus may be, kAgreeingFarBack, for these
   static constexpr int kAgreeingFarBack = 20;          ///< come in bursts
+  static constexpr std::size_t kAgreeingElsewhere = 20;         ///< samples in a row after which the filter has leapt
   static constexpr std::int64_t kLongestClockStep = 1'000'000;  ///< us ahead
   static constexpr double kGapSteps = 1.6;
+  static constexpr std::int64_t kReportedFor = 1'000'000;  ///< us
 
-  enum class Added { kYes, kLate, kClockJump };
+  enum class Added { kYes, kLate, kClockJump, kElsewhere };
   /// Adds a sample. Late samples are dropped. When the clock was set back, the earlier history is discarded, and the
-  /// samples that told are the new one.
+  /// samples that told are the new one. A sample elsewhere than the motion leads is of another filter, and is dropped
+  /// unless kAgreeingElsewhere of them come without one of the first: the filter has leapt, and they are all added.
   Added add(const OdometrySample& sample);
+
+  /// Whether two filters have published within the last kReportedFor.
+  [[nodiscard]] bool has_second_filter() const {
+    return second_filter_ != 0 && newest() - second_filter_ < kReportedFor;
+  }
 
   /// Another listener had all odometry until `utime`, us: samples missing between there and the first sample are a gap,
   /// too.
@@ -47,7 +56,8 @@ class OdometryHistory {
   /// The first gap that ends later than `from`, us: an interval longer than kGapSteps of the neighbouring intervals. At
   /// most ResendClient::kMaxMissing long.
   [[nodiscard]] std::optional<MissingMessages> gap(std::int64_t from) const;
-  /// Inserts a sample before the newest one. False if there is one with the same stamp, or no room.
+  /// Inserts a sample before the newest one. False if there is one with the same stamp, or no room, or the sample lies
+  /// elsewhere than its neighbours.
   bool fill(const OdometrySample& sample);
 
   /// us, stamp of the newest sample; 0: there is none.
@@ -86,8 +96,16 @@ class OdometryHistory {
   /// Whether the host's clock was set forward in the gap after sample `i`: the stamps jump, and the vehicle does not.
   [[nodiscard]] bool is_clock_step(std::size_t i, std::size_t known) const;
   [[nodiscard]] Pose beyond(std::size_t last, std::int64_t utime) const;
+  Added add_late(const OdometrySample& sample);
+  /// Whether the motion of the last samples leads to this newer one.
+  [[nodiscard]] bool leads_to(const OdometrySample& sample) const;
+  void append(const OdometrySample& sample);
+  void note_second_filter(std::int64_t utime);
   std::deque<OdometrySample> samples_;
-  std::deque<OdometrySample> late_;  // the latest, in a row, that continue each other; none since one was in time
+  std::deque<OdometrySample> late_;       // the latest, in a row, that continue each other; none since one was in time
+  std::deque<OdometrySample> elsewhere_;  // the latest, in a row, that continue each other in another frame
+  std::int64_t other_dropped_ = 0;        // us, when samples of another frame were last given up; 0: never
+  std::int64_t second_filter_ = 0;        // us, the same, if it was not the first time within kReportedFor
   std::int64_t begin_ = 0;
   std::int64_t horizon_ = std::numeric_limits<std::int64_t>::max();
 };

@@ -28,8 +28,16 @@ bool take_odometry(const odometry_t& message, OdometryHistory& history, Counters
     case OdometryHistory::Added::kClockJump:
       counters.add("odometry.clock_jumps");
       break;
+    case OdometryHistory::Added::kElsewhere:
+      counters.add("refused.second_odometry");
+      break;
   }
   return true;
+}
+
+void add_second_filter_fault(const OdometryHistory& history, std::vector<std::string>& faults) {
+  if (history.has_second_filter())
+    faults.emplace_back("two filters send on ODOMETRY, and the first is used: end the other curbstone-ekf on the bus");
 }
 
 }  // namespace curbstone::mapper::scan

@@ -119,6 +119,7 @@ void ScanSynchronizer::add_packet_faults(std::vector<std::string>& faults) const
 
 void ScanSynchronizer::add_odometry_faults(std::vector<std::string>& faults, bool has_map,
                                            std::int64_t last_end) const {
+  add_second_filter_fault(odometry_, faults);
   if (has_map && without_odometry_ >= kOdometryMissing)
     faults.emplace_back("no usable ODOMETRY: assuming constant velocity");
   if (too_late_ != 0 && last_end - too_late_ < kLateReportedFor)

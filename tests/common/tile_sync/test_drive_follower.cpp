@@ -44,6 +44,7 @@ TEST_F(DriveFollowerTest, AsksForThePageOfPosesThatItLacksAndSaysSoUntilItHasThe
   receive(15, 20);
   follower_.announced(index_of(20, kPageStart + 1'000'000));
   EXPECT_EQ(follower_.make_request(kPageStart + 1'100'000).num_tiles, 0) << "they may be on their way";
+  EXPECT_FALSE(follower_.fault());
   const tile_request_t request = follower_.make_request(kPageStart + 1'400'000);
   ASSERT_EQ(request.num_tiles, 1);
   EXPECT_EQ(request.channel, "MAP_TRAJECTORY");

@@ -7,6 +7,14 @@ namespace {
 constexpr const char* kCandump =
     "(1608055974.318981) can0 181#0A0100000A020000\n(1608055974.319981) can0 202#903C\n"
     "(1608055974.320000) can1 12345678#R\n(1608055974.330000) can0 181##100\n";
+constexpr const char* kCandumpShown =
+    " (1608055974.318981)  can0  181   [8]  0A 01 00 00 0A 02 00 00   '........'\n"
+    " (2020-12-15 18:12:54.3)  can1  TX - -  12345678   [0]  remote request\n (000.0)  can0  20000088   [1]  00 "
+    "ERRORFRAME\n";
+constexpr const char* kPcan10 =
+    ";####\n     1)     17535  00000100  2  01 02\n     2)     17540  FFFFFFFF  4  00 00 00 08 -- -- -- -- BUSHEAVY\n";
+constexpr const char* kPcan13 =
+    ";$FILEVERSION=1.3\n;$STARTTIME=40511.3973\n     1)        17535.4 1  Tx    00000100 -  2    01 02\n";
 constexpr const char* kPcan11 =
     ";$FILEVERSION=1.1\n;$STARTTIME=40511.3973\n;---\n"
     "     1)      1059.9  Rx         0300  7  00 00 00 00 04 00 00\n     2)      1283.2  Rx         0300  4  RTR\n";
@@ -25,7 +33,10 @@ void write(const SeedFolder& folder, const std::string& target, const std::strin
 void write_text_seeds(const SeedFolder& folder) {
   const std::filesystem::path source = CURBSTONE_SOURCE_DIR;
   write(folder, "can_trace", "candump", kCandump);
+  write(folder, "can_trace", "candump_shown", kCandumpShown);
+  write(folder, "can_trace", "pcan10", kPcan10);
   write(folder, "can_trace", "pcan11", kPcan11);
+  write(folder, "can_trace", "pcan13", kPcan13);
   write(folder, "can_trace", "pcan21", kPcan21);
   for (const char* name : {"can/fsae_candump.log", "can/pcan2.trc"}) {
     const Seed seed = SeedFolder::read(folder.recording(name), 4096);

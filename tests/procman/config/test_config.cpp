@@ -8,6 +8,7 @@
 #include "common/resend/recent_messages.hpp"
 #include "common/time/microseconds.hpp"
 #include "tests/paths.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace curbstone::procman::config {
 namespace {
@@ -90,6 +91,7 @@ TEST(ProcmanConfig, ReadsScriptsBeforeTheCommandsTheyName) {
   EXPECT_EQ(actions[4].script, "end");
   EXPECT_EQ(config.find_script("end")->actions[0].target.kind, TargetKind::kEverything);
   EXPECT_THAT(check_config(config), ElementsAre());
+  EXPECT_THAT(check_script(config, *config.find_script("go")), ElementsAre());
 }
 
 TEST(ProcmanConfig, ReadsWhatBothGenerationsWrite) {
@@ -188,13 +190,41 @@ TEST(ProcmanConfig, ChecksReportAllThatTheGrammarCannotSee) {
     script "r" { run_script "p"; }
   )",
                                      "x.cfg");
-  EXPECT_THAT(
-      check_config(config),
-      ElementsAre(HasSubstr("a cmd has no id"), "cmd \"a\": exec: it names no program",
-                  HasSubstr("cmd \"b\": exec: a quote"), "cmd \"c\" names no deputy", "there are two commands \"c\"",
-                  "script \"s\": there is no cmd \"nobody\"", "script \"s\": there is no group \"nothing\"",
-                  "script \"s\": there is no script \"gone\"", "infinite loop: script \"p\" eventually calls itself",
-                  "infinite loop: script \"q\" eventually calls itself"));
+  EXPECT_THAT(check_config(config),
+              ElementsAre("2: a cmd has no id (its exec is \"x\")", "3: cmd \"a\": exec: it names no program",
+                          HasSubstr("4: cmd \"b\": exec: a quote"), "5: cmd \"c\" names no deputy",
+                          "6: there is already a cmd \"c\", in line 5: ids are unique, over all deputies too"));
+  const auto errors_of = [&](const char* script) { return check_script(config, *config.find_script(script)); };
+  EXPECT_THAT(errors_of("s"), ElementsAre("7: script \"s\": there is no cmd \"nobody\"",
+                                          "7: script \"s\": there is no group \"nothing\"",
+                                          "7: script \"s\": there is no script \"gone\""));
+  EXPECT_THAT(errors_of("p"), ElementsAre("8: infinite loop: script \"p\" eventually calls itself",
+                                          "9: infinite loop: script \"q\" eventually calls itself"));
+  EXPECT_THAT(errors_of("r"), ElementsAre("8: infinite loop: script \"p\" eventually calls itself",
+                                          "9: infinite loop: script \"q\" eventually calls itself"));
+}
+
+/// As in many files of real robots: a group was renamed, and a script was not. Nothing else suffers from it.
+TEST(ProcmanConfig, AScriptThatCannotBeRunLeavesTheRestUsable) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "x.cfg")
+      << "\xEF\xBB\xBFgroup \"core\" {\r\n  cmd \"a & b (2)\" { exec = \"x\"; host = \"d\"; }\r\n}\r\n"
+         "script \"1.start all\" {\r\n  start group \"core\";\r\n  start group \"sensing\";\r\n}\r\n"
+         "script \"both\" { wait ms 1; run_script \"1.start all\"; }\r\n"
+         "script \"stop\" { stop cmd \"a & b (2)\" wait \"stopped\"; }";
+  const Config config = load_config_file(folder / "x.cfg");
+  ASSERT_EQ(config.commands.size(), 1U);
+  EXPECT_THAT(check_script(config, *config.find_script("stop")), ElementsAre());
+  EXPECT_THAT(check_script(config, *config.find_script("both")),
+              ElementsAre("6: script \"1.start all\": there is no group \"sensing\""));
+  std::ofstream(folder / "y.cfg") << "cmd \"heartbeat\" { exec = \"x\"; host = \"one\"; }\n\n"
+                                     "cmd \"heartbeat\" { exec = \"x\"; host = \"two\"; }\n";
+  try {
+    (void)load_config_file(folder / "y.cfg");
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("y.cfg:3: there is already a cmd \"heartbeat\", in line 1"));
+  }
 }
 
 TEST(ProcmanConfig, OurOwnFilesAreRight) {
@@ -203,7 +233,8 @@ TEST(ProcmanConfig, OurOwnFilesAreRight) {
     Config config;
     ASSERT_NO_THROW(config = load_config_file(file)) << file;
     EXPECT_GE(config.commands.size(), 7U);
-    EXPECT_NE(config.find_script("go"), nullptr);
+    ASSERT_NE(config.find_script("go"), nullptr);
+    for (const Script& script : config.scripts) EXPECT_THAT(check_script(config, script), ElementsAre()) << script.name;
   }
 }
 

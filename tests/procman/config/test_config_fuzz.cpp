@@ -16,7 +16,9 @@ script "end" { wait cmd "a" status "stopped"; stop everything; })";
 /// Whatever comes in, either a config or an error with a place inside the text comes out.
 void expect_handled(const std::string& text) {
   try {
-    (void)check_config(parse_config(text, "fuzz"));
+    const Config config = parse_config(text, "fuzz");
+    (void)check_config(config);
+    for (const Script& script : config.scripts) (void)check_script(config, script);
   } catch (const ConfigSyntaxError& error) {
     const long lines = 1 + std::count(text.begin(), text.end(), '\n');
     EXPECT_GE(error.line(), 1);

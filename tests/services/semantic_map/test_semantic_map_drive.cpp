@@ -48,7 +48,6 @@ class LostPoses : public SemanticMapNodeTest {
     said_ = poses;
     bus_.publish("TILE_INDEX", index);
     bus_.dispatch();
-    faults_ = node_->report().faults;
     for (int i = 0; i < 50; ++i) {
       node_->tick(stamp(poses) + i * 20'000);
       bus_.dispatch();
@@ -58,6 +57,7 @@ class LostPoses : public SemanticMapNodeTest {
     if (request.channel != kDriveChannel) return;
     for (std::size_t k = 0; k < request.tile_x.size(); ++k) {
       ++asked_;
+      faults_ = node_->report().faults;
       map_trajectory_t page{};
       page.epoch = 1;
       page.page = kPageAgain;
@@ -80,7 +80,7 @@ class LostPoses : public SemanticMapNodeTest {
 
   LocalBus bus_;
   std::unique_ptr<SemanticMapNode> node_;
-  std::vector<std::string> faults_;  // when the index had come
+  std::vector<std::string> faults_;  // when they were asked for
   int said_ = 0;
   int asked_ = 0;
 };

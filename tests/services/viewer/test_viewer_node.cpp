@@ -240,27 +240,38 @@ TEST_F(ViewerNodeTest, DoesNotTakeItsOwnStatusForALivingBus) {
   EXPECT_LT(state()["bus_age"].get<double>(), 0.5);
 }
 
+lidar_points_t one_point(int packet, std::int64_t utime) {
+  lidar_points_t points{};
+  points.utime = utime;
+  points.packet = points.revolution = packet;
+  points.num_points = 1;
+  points.x = points.y = points.z = points.time_offset = {1};
+  points.intensity = points.ring = {1};
+  return points;
+}
+
 TEST_F(ViewerNodeTest, TakesTheLidarsPointsOnlyWhileAPageShowsThem) {
-  const auto lidar = [&](int revolution) {
-    lidar_points_t points{};
-    points.revolution = revolution;
-    points.num_points = 1;
-    points.x = points.y = points.z = points.time_offset = {1};
-    points.intensity = points.ring = {1};
-    receive("LIDAR_POINTS", points);
-  };
   open();
   pass(0.2);
-  lidar(1);
-  lidar(2);
+  for (const int i : {1, 2}) receive("LIDAR_POINTS", one_point(i, kStart + i * 50'000));
   pass(0.2);
   EXPECT_EQ(page_.num_points, 0U);
   send_text(R"({"points": true})");
   pass(0.2);
-  lidar(3);
-  lidar(4);
+  for (const int i : {3, 4}) receive("LIDAR_POINTS", one_point(i, kStart + i * 50'000));
   pass(0.2);
   EXPECT_EQ(page_.num_points, 1U);
+}
+
+TEST_F(ViewerNodeTest, OfTwoLidarsOnOneChannelThePageShowsOne) {
+  open();
+  send_text(R"({"points": true})");
+  pass(0.2);
+  for (int i = 0; i < 40; ++i) {
+    receive("LIDAR_POINTS", one_point(1000 + i, kStart + 1333 * i));
+    receive("LIDAR_POINTS", one_point(i, kStart - 3'600'000'000 + 1333 * i));
+  }
+  EXPECT_EQ(counted("refused.second_lidar"), 40);
 }
 
 TEST_F(ViewerNodeTest, ANewEpochOfTheMapperBeginsAnew) {

@@ -184,6 +184,10 @@ TEST_F(DetectTest, PutsAFolderOfScansTogetherByTheirPoses) {
   expect_curb_at_2();
   const auto bad = write_text("bad.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 2 3\n");
   EXPECT_THAT(detect({(folder_ / "scans").string(), "--poses", bad.string()}).error, ::testing::HasSubstr("bad.txt:2"));
+  const auto indexed =
+      write_text("indexed.txt", "0 1 0 0 0 0 1 0 0 0 0 1 0\n1 1 0 0 1 0 1 0 0 0 0 1 0\n");  // KITTI-360
+  EXPECT_THAT(detect({(folder_ / "scans").string(), "--poses", indexed.string()}).error,
+              ::testing::HasSubstr("indexed.txt:1: expected 12 numbers"));
   EXPECT_THAT(detect({(folder_ / "scans").string()}).error, ::testing::HasSubstr("--poses"));
 }
 

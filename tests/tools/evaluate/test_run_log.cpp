@@ -176,6 +176,25 @@ TEST(RunLog, SeesWhatTheRecorderMissed) {
   EXPECT_THAT(read_run_log(file).lost_by_recorder, ElementsAre(Pair("LIDAR_POINTS", 3)));
 }
 
+TEST(RunLog, ALogThatWasPlayedIntoTheBusIsNoLoss) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "played.lcmlog";
+  {
+    LogWriter log(file);
+    lidar_points_t lidar{};
+    for (int i = 0; i < 200; ++i) {
+      if (i == 100) continue;  // the one that the recorder missed
+      lidar.packet = 5000 + i;
+      lidar.utime = 1'700'000'000'000'000 + 1333 * i;
+      write(log, "LIDAR_POINTS", lidar, lidar.utime);
+      lidar.packet = i;
+      lidar.utime -= 3'600'000'000;
+      if (i >= 50) write(log, "LIDAR_POINTS", lidar, 1'700'000'000'000'100 + 1333 * i);
+    }
+  }
+  EXPECT_THAT(read_run_log(file).lost_by_recorder, ElementsAre(Pair("LIDAR_POINTS", 1)));
+}
+
 TEST(RunLog, SeesWhatTheRecorderMissedOfTheOtherSensors) {
   const test::TemporaryFolder folder;
   const std::string file = folder / "sensor_gaps.lcmlog";

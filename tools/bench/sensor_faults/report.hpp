@@ -25,7 +25,8 @@ struct Row {
   [[nodiscard]] std::string verdict() const;
 };
 
-/// The row of a fault: what its replay said beyond the undisturbed one.
+/// The row of a fault: what its replay said beyond the undisturbed one. Of a drive without a fault, with an empty
+/// `undisturbed`, all that was said.
 [[nodiscard]] Row row_of(const catalogue::Fault& fault, const Outcome& outcome, const Outcome& undisturbed);
 
 [[nodiscard]] std::vector<std::string> table_lines(const std::vector<Row>& rows);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <stdlib.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
@@ -15,6 +16,7 @@
 
 #include "common/config/command_line.hpp"
 #include "tools/bench/sensor_faults/catalogue/catalogue.hpp"
+#include "tools/bench/sensor_faults/catalogue/fault_lists.hpp"
 #include "tools/bench/sensor_faults/report.hpp"
 #include "tools/bench/sensor_faults/trial.hpp"
 #include "tools/simulate/simulate.hpp"
@@ -32,18 +34,21 @@ struct BenchOptions {
   std::string only, json;
   int jobs = 1;
   bool list = false;
+  bool faultless = false;
 };
 
-/// `curbstone simulate --town` into `folder`.
-void simulate_town(const BenchOptions& options, const std::string& log, const std::string& truth) {
-  std::vector<std::string> words = {"simulate",  "--town",
-                                    "--seed",    fmt::to_string(options.seed),
-                                    "--seconds", fmt::to_string(options.seconds),
-                                    "--log",     log,
-                                    "--truth",   truth};
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  if (simulate::run_simulate(static_cast<int>(arguments.size()), arguments.data()) != 0)
+std::vector<catalogue::Fault> wanted(const BenchOptions& options) {
+  return catalogue::named(options.faultless ? catalogue::faultless_drives() : catalogue::all_faults(), options.only);
+}
+
+/// `curbstone simulate` into `log` and `truth`. Throws std::runtime_error.
+void simulate_drive(std::vector<std::string> arguments, const std::string& log, const std::string& truth) {
+  std::vector<std::string> words = {"simulate", "--log", log, "--truth", truth};
+  if (std::ranges::find(arguments, "--straight") == arguments.end()) words.emplace_back("--town");
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  if (simulate::run_simulate(static_cast<int>(argv.size()), argv.data()) != 0)
     throw std::runtime_error("the town cannot be simulated");
 }
 
@@ -57,8 +62,8 @@ class Rows {
     const catalogue::Fault none{.sensor = "none", .name = "none", .words = "the undisturbed drive"};
     undisturbed_ = try_fault(drive_, none, folder_);
     if (!undisturbed_.map) throw std::runtime_error("the undisturbed drive: " + undisturbed_.failure);
-    Row row{.sensor = none.sensor, .name = none.name, .words = none.words, .map = undisturbed_.map};
-    fmt::print(stderr, "bench sensor-faults: {}: F1 {:.3f}\n", none.name, row.map->f1);
+    Row row = row_of(none, undisturbed_, {});  // all that it says is a false alarm
+    fmt::print(stderr, "bench sensor-faults: {}: F1 {:.3f}, {}\n", none.name, row.map->f1, row.verdict());
     rows_.assign(1 + faults_.size(), std::nullopt);
     rows_[0] = std::move(row);
     std::vector<std::thread> threads;
@@ -69,9 +74,19 @@ class Rows {
   }
 
  private:
+  /// The row of a drive of its own, of which all that is said is a false alarm.
+  [[nodiscard]] Row faultless_row(const catalogue::Fault& drive) const {
+    const std::string log = folder_ + "/" + drive.name + ".lcmlog", truth = folder_ + "/" + drive.name;
+    simulate_drive(drive.drive, log, truth);
+    Row row = row_of(drive, try_fault(TrueDrive(log, truth), drive, folder_), {});
+    fs::remove(log);
+    return row;
+  }
   void work() {
     for (std::size_t i = next_++; i < faults_.size(); i = next_++) {
-      Row row = row_of(faults_[i], try_fault(drive_, faults_[i], folder_), undisturbed_);
+      const catalogue::Fault& fault = faults_[i];
+      Row row =
+          fault.drive.empty() ? row_of(fault, try_fault(drive_, fault, folder_), undisturbed_) : faultless_row(fault);
       const std::lock_guard lock(mutex_);
       fmt::print(stderr, "bench sensor-faults: {}: {}: F1 {:.3f}, {}\n", row.sensor, row.name,
                  row.map ? row.map->f1 : 0, row.verdict());
@@ -97,11 +112,12 @@ class Rows {
 };
 
 int measure_all(BenchOptions options, const std::string& folder) {
-  std::vector<catalogue::Fault> faults = catalogue::faults_named(options.only);
+  std::vector<catalogue::Fault> faults = wanted(options);
   if (options.log.empty()) {
     options.log = folder + "/town.lcmlog";
     options.truth = folder + "/truth";
-    simulate_town(options, options.log, options.truth);
+    simulate_drive({"--seed", fmt::to_string(options.seed), "--seconds", fmt::to_string(options.seconds)}, options.log,
+                   options.truth);
   }
   const TrueDrive drive(options.log, options.truth);
   const std::vector<Row> rows = Rows(drive, folder, std::move(faults), options.json).measure(options.jobs);
@@ -125,6 +141,8 @@ int run_bench_sensor_faults(int argc, char** argv) {
   line.option("--log", options.log, "Instead of a simulated drive, this log; with --truth");
   line.option("--truth", options.truth, "The truth folder of --log");
   line.option("--only", options.only, "Only the faults of which 'sensor: name' has a match of this regular expression");
+  line.flag("--faultless", options.faultless,
+            "Instead of the faults, drives in which nothing is wrong: what is said of them are false alarms");
   line.option("--jobs", options.jobs, "Replays at a time; the figures are the same").within(1, 256).shows_default();
   line.flag("--list", options.list, "Only name the faults");
   line.option("--json", options.json, "Write the figures to this file too");
@@ -134,8 +152,7 @@ int run_bench_sensor_faults(int argc, char** argv) {
   int status = 1;
   try {
     if (options.list) {
-      for (const auto& fault : catalogue::faults_named(options.only))
-        fmt::print("{}: {}: {}\n", fault.sensor, fault.name, fault.words);
+      for (const auto& fault : wanted(options)) fmt::print("{}: {}: {}\n", fault.sensor, fault.name, fault.words);
       return 0;
     }
     if (mkdtemp(folder.data()) == nullptr) throw std::runtime_error(folder + ": cannot be made");

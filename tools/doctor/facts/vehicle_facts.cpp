@@ -151,7 +151,12 @@ std::vector<std::string> read_procman(const std::string& file, checks::VehicleFa
   try {
     const auto config = procman::config::load_config_file(file);
     facts.programs = programs_of(config);
-    facts.configs.push_back({file, ""});
+    std::string wrong;
+    for (const auto& script : config.scripts) {
+      const std::vector<std::string> errors = procman::config::check_script(config, script);
+      if (wrong.empty() && !errors.empty()) wrong = procman::config::join_errors(file, {errors.front()});
+    }
+    facts.configs.push_back({file, wrong});
     return assignments_of(config);
   } catch (const std::runtime_error& error) {
     const std::string text = error.what();

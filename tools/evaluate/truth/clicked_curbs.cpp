@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
 #include <vector>
 
 namespace curbstone::evaluate::truth {
@@ -22,12 +23,14 @@ TrueCurbPoint point_of(const std::string& line, const std::string& file, int num
   std::istringstream row(line);
   std::vector<double> values;
   for (std::string value; std::getline(row, value, ',');) {
-    try {
-      values.push_back(std::stod(value));
-    } catch (const std::exception&) {
+    std::istringstream word(value);
+    double number = 0;
+    std::string more;
+    if (!(word >> number) || word >> more) {  // not "3.5 m"
       values.clear();
       break;
     }
+    values.push_back(number);
   }
   const bool is_sound = std::all_of(values.begin(), values.end(), [](double v) { return std::abs(v) < 1e5; });
   if (!is_sound || (values.size() != 3 && values.size() != 6))
@@ -49,6 +52,8 @@ std::vector<TrueCurbPoint> read_clicks(const std::string& file) {
   for (std::string line; std::getline(in, line);) {
     ++number;
     if (!line.empty() && line.back() == '\r') line.pop_back();
+    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // as spreadsheets write it
+    if (number == 1 && line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
     if (line.empty() || line.front() == '#' || (number == 1 && line.starts_with("line"))) continue;
     clicks.push_back(point_of(line, file, number));
   }

@@ -13,18 +13,23 @@ namespace curbstone::evaluate::truth {
 
 namespace {
 
+/// Exactly twelve numbers a line: a frame's index before them would shift all.
 std::vector<Pose> read_poses(const std::string& file) {
   std::ifstream in(file);
   if (!in) throw std::runtime_error(fmt::format("{}: cannot be read", file));
   std::vector<Pose> poses;
   std::string line;
-  while (std::getline(in, line)) {
+  for (int number = 1; std::getline(in, line); ++number) {
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     std::istringstream row(line);
     Pose pose = Pose::Identity();
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 4; ++c) row >> pose.matrix()(r, c);
     }
-    if (!row) throw std::runtime_error(fmt::format("{}:{}: expected 12 numbers", file, poses.size() + 1));
+    std::string more;
+    const Eigen::Matrix3d R = pose.linear();
+    if (!row || row >> more || !is_finite(pose) || !(R * R.transpose()).isIdentity(1e-3) || R.determinant() < 0)
+      throw std::runtime_error(fmt::format("{}:{}: expected 12 numbers, the rows of a 3x4 pose", file, number));
     poses.push_back(pose);
   }
   return poses;

@@ -74,16 +74,18 @@ Pose TownMotion::T_world_base(double t) const {
   const double u = parameter_at(profile_.distance(t));
   const State state = path_.at(u);
   const State along = path_.derivative(u);
+  const double turned = profile_.turned(t);
   const double v = profile_.speed(t) / 3.0;
   const double bounce = 1.2e-3 * v * std::sin(2.1 * 6.2832 * t);
   const double rock = 1.5e-3 * v * std::sin(1.3 * 6.2832 * t + 1.0) + 0.5e-3 * v * std::sin(4.7 * 6.2832 * t);
   const double nod = 1.8e-3 * v * std::sin(1.7 * 6.2832 * t + 2.0) + 0.5e-3 * v * std::sin(5.9 * 6.2832 * t);
   // The mean acceleration of that time: a pitch that began at once would be a step to an IMU.
-  const double acceleration = (profile_.speed(t) - profile_.speed(t - kNodTime)) / kNodTime;
+  const double acceleration = std::cos(turned) * (profile_.speed(t) - profile_.speed(t - kNodTime)) / kNodTime;
   Pose T = Pose::Identity();
   T.translation() = Eigen::Vector3d(state[0], state[1], state[2] + bounce);
   T.linear() = rotation_from_rpy(state[3] + rock, state[4] - kNodPerAcceleration * acceleration + nod,
                                  std::atan2(along[1], along[0]));
+  if (turned != 0.0) T.rotate(Eigen::AngleAxisd(turned, Eigen::Vector3d::UnitZ()));
   return T;
 }
 

@@ -30,6 +30,15 @@ std::vector<std::string> scans_in(const fs::path& folder) {
   return files;
 }
 
+std::vector<double> numbers_of(const std::string& line) {
+  std::istringstream words(line);
+  std::vector<double> numbers;
+  for (double number = 0; words >> number;) numbers.push_back(number);
+  if (!words.eof()) numbers.clear();  // something that is no number
+  return numbers;
+}
+
+/// Exactly twelve numbers: KITTI-360 puts an index before them, which would shift all.
 std::vector<Pose> read_poses(const std::string& file) {
   std::ifstream in(file);
   if (!in) throw std::runtime_error(fmt::format("--poses {}: cannot be read", file));
@@ -38,24 +47,49 @@ std::vector<Pose> read_poses(const std::string& file) {
   for (std::string line; std::getline(in, line);) {
     ++number;
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    std::istringstream words(line);
+    const std::vector<double> numbers = numbers_of(line);
     Pose T = Pose::Identity();
-    for (int i = 0; i < 12; ++i) words >> T(i / 4, i % 4);
-    if (!words || !is_finite(T))
-      throw std::runtime_error(fmt::format("{}:{}: expected 12 numbers, a 3x4 matrix row by row", file, number));
+    for (int i = 0; i < 12 && numbers.size() == 12; ++i) T(i / 4, i % 4) = numbers[static_cast<std::size_t>(i)];
+    const Eigen::Matrix3d R = T.linear();
+    if (numbers.size() != 12 || !is_finite(T) || !(R * R.transpose()).isIdentity(1e-3) || R.determinant() < 0)
+      throw std::runtime_error(fmt::format("{}:{}: expected 12 numbers, a 3x4 pose row by row", file, number));
     poses.push_back(normalised(T));
   }
   return poses;
+}
+
+/// The poses of a camera, as in KITTI odometry, have z ahead: the first metres would go straight up.
+void refuse_camera_poses(const std::vector<Pose>& poses, const std::string& file) {
+  constexpr double kWay = 5.0;    // m
+  constexpr double kSteep = 0.7;  // of the way, upwards: 45 deg
+  for (const Pose& T : poses) {
+    const Eigen::Vector3d way = poses.front().inverse() * T.translation();
+    if (way.norm() < kWay) continue;
+    if (std::abs(way.z()) < kSteep * way.norm()) return;
+    throw std::runtime_error(fmt::format(
+        "{}: its first metres go along z: these are a camera's poses, not the LiDAR's (see docs/tutorial.md)", file));
+  }
 }
 
 std::vector<double> read_times(const std::string& file) {
   std::ifstream in(file);
   if (!in) throw std::runtime_error(fmt::format("--times {}: cannot be read", file));
   std::vector<double> times;
-  for (double t; in >> t;) {
-    if (!std::isfinite(t) || (!times.empty() && t <= times.back()))
-      throw std::runtime_error(fmt::format("{}:{}: times must increase", file, times.size() + 1));
-    times.push_back(t);
+  int number = 0;
+  for (std::string line; std::getline(in, line);) {
+    ++number;
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    const std::vector<double> numbers = numbers_of(line);
+    if (numbers.size() != 1 || !std::isfinite(numbers[0]))
+      throw std::runtime_error(fmt::format("{}:{}: expected one number, a time in s", file, number));
+    if (!times.empty() && numbers[0] <= times.back())
+      throw std::runtime_error(fmt::format("{}:{}: times must increase", file, number));
+    times.push_back(numbers[0]);
+  }
+  constexpr double kLongest = 10;  // s between scans
+  if (times.size() > 1 && times.back() - times.front() > kLongest * static_cast<double>(times.size() - 1)) {
+    throw std::runtime_error(fmt::format("{}: its scans are {:.0f} s apart; times are in s", file,
+                                         (times.back() - times.front()) / static_cast<double>(times.size() - 1)));
   }
   return times;
 }
@@ -76,6 +110,7 @@ ScanSet find_scans(const std::string& folder, const std::string& poses_file, con
   if (set.files.empty())
     throw std::runtime_error(fmt::format("--scans {}: holds no *.bin, nor does velodyne/ or scans/ in it", folder));
   set.T_first_scan = read_poses(poses_file);
+  refuse_camera_poses(set.T_first_scan, poses_file);
   const std::string beside = (fs::path(poses_file).parent_path() / "times.txt").string();
   if (!times_file.empty() || fs::exists(beside)) set.times = read_times(times_file.empty() ? beside : times_file);
 

@@ -17,6 +17,8 @@ struct SimulateConfig {
   double speed = 3.0;         ///< m/s
   double standstill = 4.0;    ///< s at the start
   double acceleration = 0.9;  ///< m/s^2
+  bool manoeuvres = false;    ///< at the stops
+  double steepness = 0.04;    ///< of the ground
   paint::Paint paint = paint::Paint::kFresh;
   sensors::IntensityModel intensity;
   sensors::LidarNoise lidar;
@@ -29,6 +31,8 @@ struct SimulateConfig {
     v.field("speed", speed, {0.2, 15.0}, "m/s, in the town");
     v.field("standstill", standstill, {0.0, 60.0}, "s at the start, for the IMU to be levelled");
     v.field("acceleration", acceleration, {0.1, 5.0}, "m/s^2, at most");
+    v.field("manoeuvres", manoeuvres, "at its stops in the town it backs up, turns on the spot, goes a leg backwards");
+    v.field("steepness", steepness, {0.0, 0.5}, "of the ground in the town, at most; a crossfall comes on top");
     using enum paint::Paint;
     v.choice("paint", paint, {{"none", kNone}, {"fresh", kFresh}, {"worn", kWorn}}, "on the streets of the town");
     v.field("ring_gains", intensity.ring_gains, "every laser has a scale of intensity of its own, in the town");

@@ -8,7 +8,7 @@ namespace {
 
 constexpr float kLawnPitch = 0.12F;    // m, size of the tufts
 constexpr float kTuftSlope = 26.0F;    // maximum, per metre of tuft height
-constexpr float kSlope = 0.07F;        // maximum, of terrain and crossfall together
+constexpr double kCrossfall = 0.03;    // maximum, in addition to the terrain's slope
 constexpr float kLargestStep = 0.25F;  // m, maximum rise across curb, ramp and lawn, in addition to slopes
 constexpr float kTouching = 5e-4F;     // m above the ground at which a ray counts as a hit
 
@@ -107,10 +107,11 @@ float Ground::cast(float x, float y, float z, float dx, float dy, float dz, floa
   const auto face = static_cast<float>(profile_.face), ramp = static_cast<float>(profile_.ramp);
   const auto pavement = static_cast<float>(profile_.pavement);
   const auto tufts = static_cast<float>(profile_.tufts);
-  const Zone zones[] = {{-1e9F, 0.0F, 0.09F},
+  const auto slope = static_cast<float>(profile_.steepness + kCrossfall);
+  const Zone zones[] = {{-1e9F, 0.0F, slope + 0.02F},
                         {0.0F, face, 14.0F},
-                        {face, ramp, 0.26F},
-                        {ramp, pavement, kSlope},
+                        {face, ramp, slope + 0.19F},
+                        {ramp, pavement, slope},
                         {pavement, 1e9F, std::max(0.8F, kTuftSlope * tufts)}};
   const float x_end = static_cast<float>(x_of(width_ - 1)), y_end = static_cast<float>(y_of(height_ - 1));
   const float descent = -dz;
@@ -127,7 +128,7 @@ float Ground::cast(float x, float y, float z, float dx, float dy, float dz, floa
     const GroundVertex node = at(px, py);
     const float smooth_gap = z + u * dz - height_of(node);
     // This far above the ground neither a curb nor a lawn can be hit.
-    const float over_all = (smooth_gap - kLargestStep) / std::max(1e-3F, descent + kSlope);
+    const float over_all = (smooth_gap - kLargestStep) / std::max(1e-3F, descent + slope);
     int k = 0;
     while (node.distance > zones[k].to) ++k;
     const Zone& zone = zones[k];
@@ -135,7 +136,7 @@ float Ground::cast(float x, float y, float z, float dx, float dy, float dz, floa
     const bool on_lawn = k == 4;
     float within = 0.0F;
     if (on_lawn && smooth_gap > 1.5F * tufts) {
-      within = (smooth_gap - tufts) / std::max(1e-3F, descent + kSlope);
+      within = (smooth_gap - tufts) / std::max(1e-3F, descent + slope);
     } else {
       const float gap = smooth_gap - (on_lawn ? lawn(node, px, py) : 0.0F);
       if (gap < 0) return u - last_step * gap / (gap - last_gap);  // interpolates between the last two steps

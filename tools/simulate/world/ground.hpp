@@ -26,6 +26,7 @@ enum class Surface : std::uint8_t {
 /// The cross-section of every street, from the crown over the curb to the gardens. The rays, the vehicle's wheels and
 /// the truth use the same height function.
 struct StreetProfile {
+  double steepness = 0.04;      ///< maximum of the terrain, without crossfall
   double half_width = 4.5;      ///< m, crown to the foot of the curb
   double crossfall = 0.022;     ///< at the gutter; less towards the crown
   double face = 0.035;          ///< m, setback of the inclined curb face; its top is rounded

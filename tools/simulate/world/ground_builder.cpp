@@ -12,15 +12,15 @@ constexpr double kMargin = 40.0;       // m of ground around the streets
 constexpr double kFar = 16.0;          // m; larger distances to a curb are not distinguished
 constexpr double kCornerRadius = 6.0;  // m, of the curb where streets meet
 
-/// Rolling ground: a few long waves, together at most 4 % steep.
+/// Rolling ground: a few long waves, together at most `steepness` steep.
 class Terrain {
  public:
-  explicit Terrain(numerics::Random random) {
+  Terrain(double steepness, numerics::Random random) {
     for (auto& wave : waves_) {
       const double length = random.uniform(90.0, 190.0), heading = random.uniform(0.0, 2.0 * std::numbers::pi);
       wave.k = Eigen::Vector2d(std::cos(heading), std::sin(heading)) * (2.0 * std::numbers::pi / length);
       wave.phase = random.uniform(0.0, 2.0 * std::numbers::pi);
-      wave.amplitude = 0.0125 * length / (2.0 * std::numbers::pi);
+      wave.amplitude = steepness * 0.3125 * length / (2.0 * std::numbers::pi);
     }
   }
   [[nodiscard]] double at(const Eigen::Vector2d& p) const {
@@ -91,7 +91,7 @@ double join(double a, double b) {
 
 Ground build_ground(const std::vector<Street>& streets, std::size_t inside, const StreetProfile& profile,
                     numerics::Random random) {
-  const Terrain terrain(random.fork(1));
+  const Terrain terrain(profile.steepness, random.fork(1));
   Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
   for (std::size_t i = 0; i < inside; ++i) {
     for (const auto& sample : streets[i].samples()) {

@@ -26,7 +26,7 @@ void set_curbs(Street& street, numerics::Random& random) {
 Town::Town(const TownOptions& town_options) : options(town_options) {
   const numerics::Random random(options.seed);
   numerics::Random plan = random.fork(1);
-  const StreetProfile profile;
+  const StreetProfile profile{.steepness = options.steepness};
   TownPlan planned = options.straight > 0 ? plan_straight(options.straight, profile.half_width, plan)
                      : options.loop > 0   ? plan_blocks(options.loop, profile.half_width, plan)
                                           : plan_block(profile.half_width, plan);

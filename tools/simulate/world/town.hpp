@@ -15,6 +15,7 @@ struct TownOptions {
   double loop = 0;            ///< m around the driven streets, several blocks; 0: the demo's single block
   double straight = 0;        ///< m of a straight street, bare along its middle half, instead of a town; 0: a town
   double lane_offset = -1.3;  ///< m left of the crown, lane of the emulated vehicle
+  double steepness = 0.04;    ///< maximum slope of the terrain
   std::uint64_t day = 0;      ///< seed of what changes daily: cars, parked and moving, and bins; 0: the town's seed
 };
 

@@ -112,7 +112,9 @@ export class Camera implements View {
     this.y = (minY + maxY) / 2;
     const [c, s] = [Math.abs(Math.cos(this.turn)), Math.abs(Math.sin(this.turn))];
     const wide = c * (maxX - minX) + s * (maxY - minY), high = s * (maxX - minX) + c * (maxY - minY);
-    const room = Math.min(this.roomWidth / wide, this.roomHeight / high);
+    // Tilted, the near edge is 1 / (1 - nearer * scale) times as large, and all is as much lower as it lies.
+    const nearer = high * Math.sin(this.tilt) / (2 * kFocus * this.height), low = high * Math.cos(this.tilt);
+    const room = Math.min(this.roomWidth / (wide + this.roomWidth * nearer), this.roomHeight / (low + this.roomHeight * nearer));
     this.scale = Math.min(60, Math.max(kMinScale, room));
   }
 }

@@ -33,6 +33,29 @@ TEST(CanSignalTest, ReadsTheExamplesOfADbcFile) {
   EXPECT_DOUBLE_EQ(value_of("1F0 6|6@0+ (0.1,0)", {0xC0, 0x06, 0xE0, 0, 0, 0, 0, 0}), 3.2);
 }
 
+/// Wheel speeds as vehicles of several makers send them, and values of another program's.
+TEST(CanSignalTest, ReadsWheelSpeedsOfAnyAlignment) {
+  const std::initializer_list<std::uint8_t> bytes = {0x1A, 0x6F, 0x9C, 0x03, 0xF5, 0x80, 0x42, 0xDB};
+  EXPECT_NEAR(value_of("0AA 7|16@0+ (0.01,-67.67)", bytes), 6767 * 0.01 - 67.67, 1e-12);
+  EXPECT_EQ(raw_of("1D0 7|15@0+", bytes), 0x1A6F >> 1);
+  EXPECT_EQ(raw_of("1D0 8|15@0+", bytes), 0x6F9C03 >> 2 & 0x7FFF);
+  EXPECT_EQ(raw_of("386 48|14@1+", bytes), 0x1B42);
+  EXPECT_EQ(raw_of("203 2|11@0+", bytes), 0x1A6F & 0x7FF) << "byte 0's bit 2 is the first";
+  EXPECT_EQ(raw_of("052 13|13@1+", bytes), 0x039C6F1A >> 13 & 0x1FFF);
+}
+
+/// A DBC's text has blanks where this had none, and other files have 0x before the id.
+TEST(CanSignalTest, BlanksAndAPrefixDoNotMatter) {
+  for (const char* text : {"0xAA 7|16@0+ (0.01, -67.67)", "aa  7 | 16@0 +  ( 1E-2 , -67.67 ) ",
+                           "\t0XaA\t7|16@0+\t(.01,-67.67)", "AA 7|16@0+(0.01,-67.67)"}) {
+    EXPECT_EQ(why(text), "") << text;
+    EXPECT_NEAR(value_of(text, {0x1A, 0x6F}), 0, 1e-12) << text;
+  }
+  EXPECT_THAT(why("0x 7|16@0+"), HasSubstr("the id has"));
+  EXPECT_THAT(why("AA 7|16@0+ (0,01;0)"), HasSubstr("')' is missing"));
+  EXPECT_THAT(why("AA : 7|16@0+"), HasSubstr("the start bit is no number"));
+}
+
 TEST(CanSignalTest, ReadsBothByteOrdersWithTheirSigns) {
   EXPECT_EQ(raw_of("181 0|32@1-", {0x2E, 0xFB, 0xFF, 0xFF, 0x2E, 0x16, 0, 0}), -1234);
   EXPECT_EQ(raw_of("181 32|32@1-", {0x2E, 0xFB, 0xFF, 0xFF, 0x2E, 0x16, 0, 0}), 5678);

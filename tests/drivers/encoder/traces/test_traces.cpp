@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -7,7 +8,6 @@
 #include "common/time/clock.hpp"
 #include "drivers/encoder/encoder_node.hpp"
 #include "drivers/encoder/traces/file_link.hpp"
-#include "drivers/encoder/traces/pcan_trace.hpp"
 #include "drivers/encoder/traces/trace_file.hpp"
 #include "drivers/encoder/traces/trace_time.hpp"
 #include "tests/drivers/recorder.hpp"
@@ -19,9 +19,6 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using Kind = PcanTrace::Line::Kind;
-
-constexpr std::int64_t kStart = 1'649'163'686'039'000;  // 2022-04-05 13:01:26.039
 
 std::string why(const std::string& path) {
   try {
@@ -30,73 +27,6 @@ std::string why(const std::string& path) {
     return error.what();
   }
   return "";
-}
-
-TEST(PcanTraceTest, ReadsAFileOfVersion11) {
-  PcanTrace trace;
-  EXPECT_EQ(trace.parse(";$FILEVERSION=1.1\r").kind, Kind::kComment);
-  EXPECT_EQ(trace.parse(";$STARTTIME=44656.5426624884").kind, Kind::kComment);
-  EXPECT_EQ(trace.parse(";   |         Time Offset (ms)").kind, Kind::kComment);
-  const auto line = trace.parse("     2)        72.1  Rx         010A  8  AB 02 22 0E 99 8C 00 00 \r");
-  ASSERT_EQ(line.kind, Kind::kFrame);
-  EXPECT_EQ(line.frame, can::CanFrame::make(0x10A, {0xAB, 0x02, 0x22, 0x0E, 0x99, 0x8C, 0, 0}));
-  EXPECT_NEAR(static_cast<double>(line.utime - kStart), 72'100, 1'000);
-  const auto extended = trace.parse("     3)     1284.0  Tx     0000012A  1  11");
-  ASSERT_EQ(extended.kind, Kind::kFrame);
-  EXPECT_TRUE(extended.frame.extended);
-  const auto remote = trace.parse("     4)     7468.9  Tx         0000  8  RTR");
-  ASSERT_EQ(remote.kind, Kind::kFrame);
-  EXPECT_TRUE(remote.frame.remote);
-  EXPECT_EQ(trace.parse("     5)     7469.0  Warng  FFFFFFFF  4  00 00 00 08  BUSHEAVY").kind, Kind::kOther);
-  EXPECT_EQ(trace.parse("     6)     7469.1  Error      0008  4  00 19 08 08").kind, Kind::kOther);
-}
-
-TEST(PcanTraceTest, ReadsAFileOfVersion21ByItsColumns) {
-  PcanTrace trace;
-  (void)trace.parse(";$FILEVERSION=2.1");
-  (void)trace.parse(";$COLUMNS=N,O,T,B,I,d,R,L,D");
-  const auto line = trace.parse("      1      1059.900 DT 1      0300 Rx -  7    00 00 00 00 04 00 00");
-  ASSERT_EQ(line.kind, Kind::kFrame);
-  EXPECT_EQ(line.utime, 1'059'900);
-  EXPECT_EQ(line.bus, "1");
-  EXPECT_EQ(line.frame, can::CanFrame::make(0x300, {0, 0, 0, 0, 4, 0, 0}));
-  const auto remote = trace.parse("     10      1336.543 RR 1      0100 Rx -  3");
-  EXPECT_EQ(remote.kind, Kind::kFrame);
-  EXPECT_TRUE(remote.frame.remote);
-  const auto extended = trace.parse("      9      1335.156 DT 2  18EFC034 Tx -  2    01 02");
-  EXPECT_EQ(extended.frame.id, 0x18EFC034u);
-  for (const char* other : {"      5      1334.416 FD 1      0500 Tx - 12    01 02 03 04 05 06 07 08 09 0A 0B 0C",
-                            "      6      1334.222 ER 1         - Rx -  5    04 00 02 00 00",
-                            "      7      1334.224 EV 1  User-defined event for bus 1"}) {
-    EXPECT_EQ(trace.parse(other).kind, Kind::kOther) << other;
-  }
-}
-
-TEST(PcanTraceTest, WhatIsNoLineIsRefused) {
-  for (const char* line : {"1) 2.0 Rx 0800 1 00", "1) 2.0 Rx 012 9 00", "1) 2.0 Rx 012 2 00", "1) 2.0 Rx 012 1 00 00",
-                           "1) -2.0 Rx 012 1 00", "1) x Rx 012 1 00", "1) nan Rx 012 1 00", "1) 2.0 Rx 012 1 0G",
-                           "1) 2.0 Rx", "1)", "nonsense", "1) 2.0 Rx 12345 1 00", "1) 1e300 Rx 012 1 00"}) {
-    PcanTrace trace;
-    EXPECT_NE(trace.parse(line).kind, Kind::kFrame) << line;
-  }
-  PcanTrace trace;
-  (void)trace.parse(";$COLUMNS=N,O,T");
-  EXPECT_EQ(trace.parse("1 2.0 DT 1 012 Rx - 1 00").kind, Kind::kRefused);
-}
-
-TEST(PcanTraceTest, DamagedLinesOfEveryShapeAreSurvived) {
-  std::mt19937 random(4);
-  const std::string good = "     2)        72.1  Rx         010A  8  AB 02 22 0E 99 8C 00 00 ";
-  const std::string columns = ";$COLUMNS=N,O,T,B,I,d,R,L,D";
-  PcanTrace trace;
-  for (int i = 0; i < 200'000; ++i) {
-    std::string text = i % 20 == 0 ? columns : good;
-    text.resize(random() % (text.size() + 1));
-    for (unsigned changes = random() % 4; changes > 0 && !text.empty(); --changes)
-      text[random() % text.size()] = static_cast<char>(random() % 256);
-    const auto line = trace.parse(text);
-    ASSERT_LE(line.frame.size, 8);
-  }
 }
 
 TEST(TraceFileTest, ARealTraceIsReadWhole) {
@@ -162,11 +92,81 @@ TEST(TraceFileTest, WhatIsNoRecordingIsReportedInALine) {
   const test::TemporaryFolder folder;
   EXPECT_THAT(why(folder / "none"), HasSubstr("No such file"));
   std::ofstream(folder / "letter") << "Dear Sir,\nthis is no recording.\n";
-  EXPECT_THAT(why(folder / "letter"), HasSubstr("no CAN frames"));
-  std::ofstream(folder / "old.trc") << ";$FILEVERSION=1.3\n  1)  2.0 1 Rx 0100 - 1 00\n";
-  EXPECT_THAT(why(folder / "old.trc"), HasSubstr("a PCAN trace of version 1.3; 1.1, 2.0 and 2.1 can be read"));
+  EXPECT_THAT(why(folder / "letter"),
+              HasSubstr("no CAN frames: neither a candump log nor a PCAN trace; line 1: \"Dear Sir,\""));
+  std::ofstream(folder / "new.trc") << ";$FILEVERSION=4.0\n  1)  2.0 1 Rx 0100 - 1 00\n";
+  EXPECT_THAT(why(folder / "new.trc"),
+              HasSubstr("a PCAN trace of version 4.0; 1.0 to 1.3, 2.0, 2.1 and 3.0 can be read"));
+  std::ofstream(folder / "colon.trc") << ";$FILEVERSION=1.1\n;\n\n 1)  72:1  Rx  010A  1  AB\n";
+  EXPECT_THAT(why(folder / "colon.trc"),
+              HasSubstr("a PCAN trace without CAN frames; line 4: \" 1)  72:1  Rx  010A  1  AB\""));
   std::ofstream(folder / "endless") << std::string(1 << 20, 'x');
   EXPECT_THAT(why(folder / "endless"), HasSubstr("no CAN frames"));
+  std::ofstream(folder / "fd.log") << "(1.000000) can0 181##1AABB\n(1.000001) can0 181##1AABB\n";
+  EXPECT_THAT(why(folder / "fd.log"), HasSubstr("no classical CAN frames, only CAN FD, errors or events"));
+  std::ofstream(folder / "untimed.log") << "interface = can0\n  can0  181   [2]  AA BB\n";
+  EXPECT_THAT(why(folder / "untimed.log"), HasSubstr("line 2 has no time; record with candump -l, -ta or -tz"));
+}
+
+/// As editors and Windows programs leave a file: a mark at its beginning, CR LF, and no end of its last line.
+TEST(TraceFileTest, AFileThatWasEditedIsRead) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "x.trc") << "\xEF\xBB\xBF;$FILEVERSION=1.1\r\n;$STARTTIME=25570.0\r\n\r\n"
+                                     "     1)         0.5  Rx         0181  2  01 02 \r\n"
+                                     "     2)         0.9  Rx         0181  2  03 04";
+  TraceFile trace(folder / "x.trc");
+  EXPECT_EQ(trace.next()->utime, 86'400'000'500);
+  EXPECT_EQ(trace.next()->frame, can::CanFrame::make(0x181, {3, 4}));
+  EXPECT_FALSE(trace.next());
+  EXPECT_THAT(trace.counters().values(), IsEmpty());
+  std::ofstream(folder / "x.log") << "\xEF\xBB\xBF(1.5) can0 181#0102\r\n\r\n(1.6) can0 181#0304";
+  TraceFile log(folder / "x.log");
+  EXPECT_EQ(log.next()->utime, 1'500'000);
+  EXPECT_EQ(log.next()->utime, 1'600'000);
+  EXPECT_FALSE(log.next());
+  EXPECT_THAT(log.counters().values(), IsEmpty());
+}
+
+/// A file of PCAN's version 1.0 does not name it.
+TEST(TraceFileTest, AFileOfVersion10IsKnownByItsFirstFrame) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "x.trc")
+      << ";##########\n;   C:\\x.trc\n;----+-   ---+---  ----+---  +  -+ -- -- ...\n"
+         "     1)     17535  00000100  2  01 02\n     2)     17540  FFFFFFFF  4  00 00 00 08 -- -- -- --\n";
+  TraceFile file(folder / "x.trc");
+  EXPECT_EQ(file.next()->utime, 17'535'000);
+  EXPECT_FALSE(file.next());
+  EXPECT_EQ(file.counters()["ignored.trace_line"], 1);
+}
+
+/// Before the drive is switched on there may be nothing but errors.
+TEST(TraceFileTest, TheFirstFrameMayBeFarDown) {
+  const test::TemporaryFolder folder;
+  std::ofstream log(folder / "x.log");
+  for (int i = 0; i < 3000; ++i) log << "(1.000000) can0 20000088#0000000000000000\n";
+  log << "(2.000000) can0 181#0102\n" << std::flush;
+  TraceFile file(folder / "x.log");
+  EXPECT_EQ(file.next()->utime, 2'000'000);
+  EXPECT_EQ(file.counters()["ignored.trace_line"], 3000);
+}
+
+/// candump -td and -tz look alike. Intervals that are taken for times make wrong speeds.
+TEST(TraceFileTest, IntervalsAreNotTakenForTimes) {
+  const test::TemporaryFolder folder;
+  std::ofstream intervals(folder / "td.log");
+  std::ofstream zero(folder / "tz.log");
+  std::mt19937 random(7);
+  int at = 0;
+  for (int i = 0; i < 50; ++i) {
+    const int interval = i == 0 ? 0 : 9'900 + static_cast<int>(random() % 200);
+    at += interval;
+    intervals << fmt::format(" (000.{:06})  can0  181   [1]  00\n", interval);
+    zero << fmt::format(" (000.{:06})  can0  181   [1]  00\n", at);
+  }
+  intervals.close();
+  zero.close();
+  EXPECT_THAT(why(folder / "td.log"), HasSubstr("the intervals between frames (candump -td)"));
+  EXPECT_EQ(why(folder / "tz.log"), "");
 }
 
 /// Two seconds of a CANopen drive that another master has set up: positions each 10 ms, status each 100 ms.

@@ -159,6 +159,67 @@ TEST(OdometryHistory, BeginsAnewWhereTheClockWasSetBackALittle) {
   }
 }
 
+/// Another filter: it began 3 m and half a turn from where the first one did.
+OdometrySample elsewhere(int i) {
+  OdometrySample other = sample(i);
+  other.T_odom_base = move({Eigen::Vector3d(3, 0, 0), Eigen::Vector3d(0, 0, 1.5)}, 1.0) * other.T_odom_base;
+  return other;
+}
+
+TEST(OdometryHistory, OfTwoFiltersTheFirstIsUsedInWhateverOrderTheyCome) {
+  OdometryHistory history = history_of(100);
+  for (int i = 100; i < 300; ++i) {
+    const bool before = i % 3 == 0;
+    if (before) {
+      EXPECT_EQ(history.add(elsewhere(i)), OdometryHistory::Added::kElsewhere);
+    }
+    EXPECT_EQ(history.add(sample(i)), OdometryHistory::Added::kYes);
+    if (!before) {
+      EXPECT_EQ(history.add(elsewhere(i)), OdometryHistory::Added::kLate);
+    }
+    EXPECT_LT(apart(history.at(sample(i).utime), sample(i).T_odom_base), 1e-9);
+    EXPECT_EQ(history.has_second_filter(), i >= 105) << "once may be a wrong sample";
+  }
+  for (int i = 300; i < 400; ++i) (void)history.add(sample(i));
+  EXPECT_FALSE(history.has_second_filter()) << "it ended";
+}
+
+/// On a busy host both come in bursts.
+TEST(OdometryHistory, OfTwoFiltersTheFirstIsUsedWhereTheOtherIsAheadByABurst) {
+  OdometryHistory history = history_of(100);
+  for (int i = 100; i < 300; i += 15) {
+    for (int k = i; k < i + 15; ++k) EXPECT_EQ(history.add(elsewhere(k)), OdometryHistory::Added::kElsewhere);
+    for (int k = i; k < i + 15; ++k) EXPECT_EQ(history.add(sample(k)), OdometryHistory::Added::kYes);
+  }
+}
+
+TEST(OdometryHistory, AFilterThatLeapsIsFollowedWithoutAGap) {
+  OdometryHistory history = history_of(100);
+  for (int i = 100; i < 119; ++i) EXPECT_EQ(history.add(elsewhere(i)), OdometryHistory::Added::kElsewhere);
+  EXPECT_FALSE(history.reaches(elsewhere(118).utime));
+  EXPECT_EQ(history.add(elsewhere(119)), OdometryHistory::Added::kYes);
+  EXPECT_TRUE(history.covers(kStart, elsewhere(119).utime));
+  EXPECT_LT(apart(history.at(elsewhere(100).utime), elsewhere(100).T_odom_base), 1e-9);
+  EXPECT_EQ(history.add(elsewhere(120)), OdometryHistory::Added::kYes);
+  EXPECT_FALSE(history.has_second_filter());
+}
+
+TEST(OdometryHistory, AFilterThatIsCorrectedGoesOn) {
+  OdometryHistory history = history_of(100);
+  for (int i = 100; i < 200; ++i) {
+    OdometrySample corrected = sample(i);
+    corrected.T_odom_base.translation().y() += 0.15;
+    EXPECT_EQ(history.add(corrected), OdometryHistory::Added::kYes);
+  }
+}
+
+TEST(OdometryHistory, AGapIsNotFilledByAnotherFilter) {
+  OdometryHistory history = history_of(100);
+  for (int i = 105; i < 120; ++i) (void)history.add(sample(i));
+  EXPECT_FALSE(history.fill(elsewhere(102)));
+  EXPECT_TRUE(history.fill(sample(102)));
+}
+
 TEST(OdometryHistory, ForgetsWhatIsNotNeeded) {
   OdometryHistory history = history_of(100);
   history.forget_before(kStart + 505'000);

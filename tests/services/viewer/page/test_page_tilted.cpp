@@ -69,6 +69,31 @@ TEST_F(PageTilted, ShowsGroundAtItsHeightAndBlocksOverIt) {
   if (HasFailure()) browser->save_picture(::testing::TempDir() + "page_tilted.png");
 }
 
+/// More walls than this machine draws as boxes. The near ones are in a texture that is not the first to be drawn.
+TEST_F(PageTilted, ShowsTheNearestWallsAsBoxesWhereThereAreTooMany) {
+  vehicle_x = 60;
+  for (int y = -8; y < 0; ++y)
+    for (int x : {0, 1, 2, 3, -4, -3, -2, -1}) {
+      semantic_tile_t tile = tile_of(x, y, semantic_tile_t::ROAD);
+      for (int cell = 0; cell < kCells * kCells; ++cell) {
+        const int row = cell / kCells, column = cell % kCells;
+        const bool is_post = x < 0 && y < -4 && row % 5 == 2 && column % 5 == 2;
+        const bool is_thicket = x >= 0 && x < 3 && y == -2 && (row + column) % 2 == 0;
+        if (is_post || is_thicket) tile.cell_class[cell] = semantic_tile_t::WALL;
+      }
+      put(tile);
+    }
+  open("at=0,-12,30,0&follow=0&theme=light&off=relief.curbs.path.points&tilt=50");
+  browser->pass(0.5);
+  const Picture picture = browser->picture();
+  for (int y = -7; y < -4; ++y)
+    for (int x = -3; x < 0; ++x) {
+      const Spot side = spot_at(3.0 * x + 12.5 * 0.12, 3.0 * y + 12 * 0.12 - 0.01, 1);
+      EXPECT_TRUE(is_of(picture.at(side.x, side.y), semantic_tile_t::WALL)) << x << " " << y;
+    }
+  keep_picture("nearest_walls");
+}
+
 TEST_F(PageTilted, HasNoGapsWhereTexturesMeetOnASlope) {
   vehicle_x = 60;
   for (int y = -3; y < 3; ++y)
@@ -124,6 +149,22 @@ TEST_F(PageTilted, TiltsByKeyButtonRightDragAndTwoFingers) {
   browser->touch({150, 400, 60, 400}, {240, 400, 330, 400});
   EXPECT_GT(browser->evaluate("curbstone.camera.scale").get<double>(), 1.5 * scale);
   EXPECT_EQ(tilt(), tilted);
+}
+
+TEST_F(PageTilted, TheWholeMapIsTheWholeOfItTiltedToo) {
+  for (int x = -12; x < 12; ++x) put(tile_of(x, x / 3, semantic_tile_t::ROAD));
+  open(fmt::format("{}&tilt=60&panel=0", kPlainView));
+  browser->evaluate("document.getElementById('whole').click()");
+  browser->pass(0.5);
+  const Picture picture = browser->picture();
+  double leftmost = 1e9, rightmost = 0;
+  for (const double x : {-36.0, 36.0})
+    for (const double y : {-12.0, 12.0}) {
+      const Spot spot = spot_at(x, y, 0);
+      EXPECT_TRUE(spot.x >= 0 && spot.x < picture.width() && spot.y >= 0 && spot.y < picture.height()) << x << " " << y;
+      leftmost = std::min(leftmost, spot.x), rightmost = std::max(rightmost, spot.x);
+    }
+  EXPECT_GT(rightmost - leftmost, 0.7 * picture.width()) << "and no smaller than it need be";
 }
 
 TEST_F(PageTilted, WhatIsDraggedStaysUnderTheMouse) {

@@ -118,10 +118,23 @@ TEST(SensorFaultsBench, AShortDriveWithTwoFaults) {
   EXPECT_THAT(json["rows"][2]["said_first"], HasSubstr("wheels"));
 }
 
+TEST(SensorFaultsBench, ADriveInWhichNothingIsWrong) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "figures.json";
+  ASSERT_EQ(run({"--seed", "3", "--seconds", "20", "--faultless", "--only", "sets off at once", "--json", file}), 0);
+  const auto json = nlohmann::json::parse(std::ifstream(file));
+  ASSERT_EQ(json["rows"].size(), 2U);
+  EXPECT_EQ(json["rows"][0]["said_first"], "nothing");
+  EXPECT_GT(json["rows"][1]["f1"], 0.9);
+  EXPECT_THAT(json["rows"][1]["said_first"], HasSubstr("not level yet"))
+      << "all that is said, from the first second on";
+}
+
 TEST(SensorFaultsBench, RefusesWhatItCannotDo) {
   EXPECT_EQ(run({"--only", "no such fault"}), 1);
   EXPECT_EQ(run({"--log", "some.lcmlog"}), 2);
   EXPECT_EQ(run({"--list"}), 0);
+  EXPECT_EQ(run({"--faultless", "--only", "wheels: wheels silent"}), 1);
 }
 
 }  // namespace

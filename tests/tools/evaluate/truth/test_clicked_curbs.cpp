@@ -17,7 +17,7 @@ StreetLabels clicked(const std::string& rows, const Pose& T_world_first = Pose::
 }
 
 TEST(ClickedCurbs, APolylineIsACurbEachTenCentimetres) {
-  const auto labels = clicked("line,x,y\n1,5,3\n1,10,3\r\n2,5,-3\n2,10,-3\n");
+  const auto labels = clicked("\xEF\xBB\xBFline,x,y\n1,5, 3 \n1,10,3\r\n2,5,-3\n2,10,-3\n");
   ASSERT_NEAR(static_cast<double>(labels.curbs.size()), 102, 2);
   for (const TrueCurbPoint& point : labels.curbs) {
     EXPECT_NEAR(std::abs(point.y), 3, 1e-9);
@@ -53,7 +53,8 @@ TEST(ClickedCurbs, LieInTheTruthsFrame) {
 }
 
 TEST(ClickedCurbs, WhatCannotBeReadIsNamedWithItsLine) {
-  for (const std::string rows : {"1,5,3\n1,x,3\n", "1,5,3\n1,5\n", "1,5,3\n1,1e9,3\n", "1,5,3\n1,nan,3\n"}) {
+  for (const std::string rows : {"1,5,3\n1,x,3\n", "1,5,3\n1,5\n", "1,5,3\n1,1e9,3\n", "1,5,3\n1,nan,3\n",
+                                 "1,5,3\n1,5 m,3\n", "1,5,3\n1;5;3\n", "1,5,3\n1,5,3,7,3\n"}) {
     try {
       (void)clicked(rows);
       ADD_FAILURE() << rows;

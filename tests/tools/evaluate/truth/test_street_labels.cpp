@@ -104,6 +104,21 @@ TEST(StreetLabels, ATableThatMakesNoSenseIsNamedWithItsLine) {
   }
 }
 
+TEST(StreetLabels, PosesAreTwelveNumbersALine) {
+  const test::TemporaryFolder folder;
+  write_street(folder.path(), [](double) { return 0.10; });
+  for (const char* row : {"0 1 0 0 0 0 1 0 0 0 0 1 0\n", "1 0 0\n", "1 0 0 0 0 1 0 0 0 0 3 0\n"}) {
+    std::ofstream(folder / "reference_poses.txt") << "1 0 0 0 0 1 0 0 0 0 1 0\r\n\n" << row;
+    try {
+      (void)read_street_labels(folder.path(), Pose::Identity());
+      ADD_FAILURE() << row;
+    } catch (const std::runtime_error& error) {
+      EXPECT_NE(std::string(error.what()).find("reference_poses.txt:3: expected 12"), std::string::npos)
+          << error.what();
+    }
+  }
+}
+
 TEST(StreetLabels, OneScanAloneNeedsNoPoseAndMayHaveAnyName) {
   const test::TemporaryFolder folder;
   write_street(folder.path(), [](double) { return 0.10; });

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "tests/tools/simulate/drives.hpp"
 
 namespace curbstone::simulate::motion {
@@ -35,6 +37,43 @@ TEST(TownMotion, ComesRoundTheBlock) {
   for (double t = 60; t < 200; t += 0.1)
     nearest = std::min(nearest, (motion.T_world_base(t).translation() - start).norm());
   EXPECT_LT(nearest, 0.3);
+}
+
+/// A drive with a manoeuvre at each stop. The acceleration is the default one: ramps of 5 s.
+const motion::TownMotion& manoeuvres() {
+  static const motion::TownMotion motion(test_town(), {}, motion::SpeedProfile({.drive = 8, .manoeuvres = true}, 150));
+  return motion;
+}
+
+double yaw_of(const Pose& T) {
+  return std::atan2(T.linear()(1, 0), T.linear()(0, 0));
+}
+
+TEST(TownMotion, NeverSlidesSidewaysInAManoeuvre) {
+  double fastest = 0, backmost = 0;
+  for (double t = 0; t < 150; t += 0.1) {
+    const Eigen::Vector3d v =
+        manoeuvres().T_world_base(t).linear().transpose() *
+        (manoeuvres().T_world_base(t + 0.005).translation() - manoeuvres().T_world_base(t - 0.005).translation()) /
+        0.01;
+    fastest = std::max(fastest, v.x());
+    backmost = std::min(backmost, v.x());
+    EXPECT_NEAR(v.y(), 0.0, 0.01) << t;
+  }
+  EXPECT_NEAR(fastest, 3.0, 0.02);
+  EXPECT_NEAR(backmost, -3.0, 0.02) << "a whole leg is driven backwards";
+}
+
+TEST(TownMotion, TurnsOnTheSpotInAManoeuvre) {
+  double turned = 0, moved = 0;  // while the route's speed is 0
+  for (double t = 0; t < 150; t += 0.05) {
+    if (manoeuvres().profile().speed(t) != 0 || manoeuvres().profile().speed(t + 0.05) != 0) continue;
+    const Pose from = manoeuvres().T_world_base(t), to = manoeuvres().T_world_base(t + 0.05);
+    turned += std::abs(std::remainder(yaw_of(to) - yaw_of(from), 2.0 * std::numbers::pi));
+    moved += (to.translation() - from.translation()).norm();
+  }
+  EXPECT_NEAR(turned, 4.0 * std::numbers::pi, 0.02) << "once round, half round and back";
+  EXPECT_LT(moved, 1e-3);
 }
 
 TEST(Inertia, IsGravityAloneAtRest) {

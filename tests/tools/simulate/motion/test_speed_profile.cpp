@@ -40,6 +40,20 @@ TEST(SpeedProfile, ABrakingBeginsOnlyOnceItIsAsFastAsItShallBe) {
   expect_integrals(gentle);
 }
 
+TEST(SpeedProfile, BacksUpAtItsFirstStopAndDrivesOn) {
+  motion::SpeedProfile::Options options;
+  options.manoeuvres = true;
+  expect_integrals(options);
+  const motion::SpeedProfile profile(options, 100);
+  double slowest = 0, back = 0;
+  for (double t = 0; t < 100; t += 0.01) {
+    slowest = std::min(slowest, profile.speed(t));
+    back += std::max(0.0, -profile.speed(t)) * 0.01;
+  }
+  EXPECT_NEAR(slowest, -1.0, 1e-6);
+  EXPECT_NEAR(back, 8.0, 0.01) << "m";
+}
+
 TEST(SpeedProfile, StandsForGoodAfterItsDistance) {
   for (const double distance : {20.0, 80.0, 100.0, 155.0, 1000.0}) {
     motion::SpeedProfile::Options options;

@@ -1,4 +1,5 @@
-#include <gtest/gtest.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
@@ -189,8 +190,34 @@ TEST_F(MadeUpRecording, WhatIsMissingIsSaid) {
   EXPECT_THROW(recorded::find_scans(folder_, folder_ + "/none.txt", ""), std::runtime_error);
   std::ofstream(folder_ + "/short.txt") << "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0\n";
   EXPECT_THROW(recorded::find_scans(folder_, folder_ + "/short.txt", ""), std::runtime_error);
-  std::ofstream(folder_ + "/back.txt") << "0 1 0.5 2";
+  std::ofstream(folder_ + "/back.txt") << "0\n1\n0.5\n2";
   EXPECT_THROW(recorded::find_scans(folder_, folder_ + "/poses.txt", folder_ + "/back.txt"), std::runtime_error);
+  const auto why = [&](const std::string& poses, const std::string& times) -> std::string {
+    std::ofstream(folder_ + "/p.txt") << poses;
+    std::ofstream(folder_ + "/t.txt") << times;
+    try {
+      (void)recorded::find_scans(folder_, folder_ + "/p.txt", folder_ + "/t.txt");
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  std::string poses, indexed, camera, times, micros;
+  for (int i = 0; i < 12; ++i) {
+    const std::string pose = fmt::format("1 0 0 {} 0 1 0 0 0 0 1 0.1\r\n", 0.9 * i);
+    poses += pose;
+    indexed += std::to_string(i) + " " + pose;
+    camera += fmt::format("1 0 0 0.1 0 1 0 -0.1 0 0 1 {}\n", 0.9 * i);
+    times += fmt::format("{:e}\n", 0.1 * i);
+    micros += fmt::format("{}\n", 1'600'000'000'000'000 + 100'000 * i);
+  }
+  EXPECT_EQ(why(poses, times), "");
+  EXPECT_THAT(why(indexed, times), ::testing::HasSubstr("p.txt:1: expected 12 numbers")) << "as in KITTI-360";
+  EXPECT_THAT(why("1 0 0 0 0 1 0 0 0 0 2 0\n" + poses, times), ::testing::HasSubstr("p.txt:1: expected 12 numbers"));
+  EXPECT_THAT(why(poses + "0 1 2 3 0 0 0 1\n", times), ::testing::HasSubstr("p.txt:13:")) << "as TUM";
+  EXPECT_THAT(why(camera, times), ::testing::HasSubstr("a camera's poses"));
+  EXPECT_THAT(why(poses, "0.1\n2011-09-26 13:02:25.95\n"), ::testing::HasSubstr("t.txt:2: expected one number"));
+  EXPECT_THAT(why(poses, micros), ::testing::HasSubstr("its scans are 100000 s apart; times are in s"));
   std::ofstream(folder_ + "/100.bin", std::ios::binary) << "no scan";
   EXPECT_THROW(recorded::read_scan(folder_ + "/100.bin"), std::runtime_error);
 }

@@ -12,8 +12,8 @@ namespace {
 constexpr float kCurb = 0.12F;
 
 /// Crown along y = 0, gutters at |y| = 4.5.
-world::Ground straight_street(float slope = 0.0F) {
-  world::Ground ground(-20, -20, 321, 161, world::StreetProfile{});
+world::Ground straight_street(float slope = 0.0F, const world::StreetProfile& profile = {}) {
+  world::Ground ground(-20, -20, 321, 161, profile);
   for (int iy = 0; iy < ground.height(); ++iy) {
     for (int ix = 0; ix < ground.width(); ++ix) {
       const auto distance = static_cast<float>(std::abs(ground.y_of(iy)) - ground.profile().half_width);
@@ -66,8 +66,7 @@ TEST(GroundCast, MeetsTheCurbFaceWhereALevelRayPasses) {
   EXPECT_NEAR(u, 1.0F + 0.035F * (1 - std::cbrt(0.5F)), 2e-3F);
 }
 
-TEST(GroundCast, AgreesWithSmallStepsFromAnywhere) {
-  const world::Ground ground = straight_street(0.02F);
+void expect_agreement_with_small_steps(const world::Ground& ground) {
   numerics::Random random(7);
   int compared = 0;
   for (int i = 0; i < 400; ++i) {
@@ -91,6 +90,14 @@ TEST(GroundCast, AgreesWithSmallStepsFromAnywhere) {
     EXPECT_NEAR(ground.cast(x, y, z, dx, dy, slope, 40) * slope, expected * slope, 4e-3F) << i;
   }
   EXPECT_GT(compared, 200);
+}
+
+TEST(GroundCast, AgreesWithSmallStepsFromAnywhere) {
+  expect_agreement_with_small_steps(straight_street(0.02F));
+}
+
+TEST(GroundCast, AgreesWithSmallStepsOnASteepStreet) {
+  expect_agreement_with_small_steps(straight_street(0.4F, {.steepness = 0.4}));
 }
 
 TEST(GroundCast, SeesNothingAboveTheHorizonOrBeyondTheWorld) {

@@ -113,6 +113,21 @@ TEST_P(Towns, HaveCurbsAndSlopesAsBuilt) {
   }
 }
 
+TEST_P(Towns, AreAsSteepAsIsAskedFor) {
+  const world::Town town({.seed = static_cast<std::uint64_t>(GetParam()), .steepness = 0.4});
+  const world::Street& loop = town.streets.front();
+  double steepest = 0;
+  for (double s = 0; s < loop.length(); s += 5) {
+    const auto height = [&](double at) {
+      const Eigen::Vector2f p = loop.at(at).point.cast<float>();
+      return static_cast<double>(town.scene->ground().height_at(p.x(), p.y()));
+    };
+    steepest = std::max(steepest, std::abs(height(s + 5) - height(s)) / 5);
+  }
+  EXPECT_GT(steepest, 0.08);
+  EXPECT_LT(steepest, 0.41);
+}
+
 TEST_P(Towns, LetCarsDriveOnTheRoad) {
   const world::Town town({.seed = static_cast<std::uint64_t>(GetParam())});
   std::vector<world::Shape> cars;

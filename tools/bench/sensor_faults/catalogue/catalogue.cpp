@@ -3,13 +3,7 @@
 #include <regex>
 #include <stdexcept>
 
-#include "tools/bench/sensor_faults/catalogue/host_clock_faults.hpp"
-#include "tools/bench/sensor_faults/catalogue/imu_faults.hpp"
-#include "tools/bench/sensor_faults/catalogue/lidar_faults.hpp"
-#include "tools/bench/sensor_faults/catalogue/second_sender_faults.hpp"
-#include "tools/bench/sensor_faults/catalogue/surroundings_faults.hpp"
-#include "tools/bench/sensor_faults/catalogue/vehicle_file_faults.hpp"
-#include "tools/bench/sensor_faults/catalogue/wheel_faults.hpp"
+#include "tools/bench/sensor_faults/catalogue/fault_lists.hpp"
 
 namespace curbstone::bench::sensor_faults::catalogue {
 
@@ -23,15 +17,14 @@ std::vector<Fault> all_faults() {
   return all;
 }
 
-std::vector<Fault> faults_named(const std::string& regex) {
-  std::vector<Fault> faults = all_faults();
+std::vector<Fault> named(std::vector<Fault> faults, const std::string& regex) {
   try {
     const std::regex wanted(regex, std::regex::extended);
     std::erase_if(faults, [&](const Fault& f) { return !std::regex_search(f.sensor + ": " + f.name, wanted); });
   } catch (const std::regex_error&) {
     throw std::runtime_error("'" + regex + "' is no regular expression");
   }
-  if (faults.empty()) throw std::runtime_error("no fault's name matches '" + regex + "'");
+  if (faults.empty()) throw std::runtime_error("no name matches '" + regex + "'");
   return faults;
 }
 

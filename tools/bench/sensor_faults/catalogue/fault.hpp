@@ -31,9 +31,10 @@ struct Changes {
 constexpr double kOnTheWay = 15.0;  ///< s: the vehicle drives by then, and all that is learned at the start is learned
 constexpr double kFromTheBeginning = 0.0;  ///< s: it is mounted, wired or configured wrongly
 
-/// A fault of a sensor, of its mounting or of what is around the vehicle.
+/// A fault of a sensor, of its mounting or of what is around the vehicle. Or a drive in which nothing is wrong, so that
+/// all that is said of it is a false alarm.
 struct Fault {
-  std::string sensor;  ///< "wheels", "IMU", "LiDAR", "host clock", "bus", "surroundings", "vehicle file"
+  std::string sensor;  ///< "wheels", "IMU", "LiDAR", "host clock", "bus", "surroundings", "vehicle file", "drive"
   std::string name;    ///< a few words, unique
   std::string words;   ///< what happens, in a line
   double from = 0;     ///< s of the drive
@@ -42,6 +43,8 @@ struct Fault {
   std::vector<std::string>
       settings{};                 ///< SECTION.KEY=VALUE: what the vehicle's file says wrongly, during all of the drive
   std::int64_t clock_set_by = 0;  ///< us that all changed stamps are later, as the host's clock was set
+  std::vector<std::string>
+      drive{};  ///< arguments of `curbstone simulate` for a drive of its own; empty: the common one
 };
 
 /// A Change from a function of (double t, Message&) that returns bool, or nothing if every message is sent.

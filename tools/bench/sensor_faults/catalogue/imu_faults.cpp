@@ -1,4 +1,4 @@
-#include "tools/bench/sensor_faults/catalogue/imu_faults.hpp"
+#include "tools/bench/sensor_faults/catalogue/fault_lists.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,7 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/bench/sensor_faults/catalogue/lidar_faults.hpp"
+#include "tools/bench/sensor_faults/catalogue/fault_lists.hpp"
+#include "tools/bench/sensor_faults/catalogue/lidar_fault.hpp"
 #include "tools/bench/sensor_faults/catalogue/points.hpp"
 
 namespace curbstone::bench::sensor_faults::catalogue {

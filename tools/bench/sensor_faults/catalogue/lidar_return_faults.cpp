@@ -2,7 +2,8 @@
 #include <cmath>
 #include <limits>
 
-#include "tools/bench/sensor_faults/catalogue/lidar_faults.hpp"
+#include "tools/bench/sensor_faults/catalogue/fault_lists.hpp"
+#include "tools/bench/sensor_faults/catalogue/lidar_fault.hpp"
 #include "tools/bench/sensor_faults/catalogue/points.hpp"
 
 namespace curbstone::bench::sensor_faults::catalogue {

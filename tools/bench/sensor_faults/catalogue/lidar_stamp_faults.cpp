@@ -2,7 +2,8 @@
 #include <cstdint>
 #include <utility>
 
-#include "tools/bench/sensor_faults/catalogue/lidar_faults.hpp"
+#include "tools/bench/sensor_faults/catalogue/fault_lists.hpp"
+#include "tools/bench/sensor_faults/catalogue/lidar_fault.hpp"
 #include "tools/simulate/numerics/random.hpp"
 
 namespace curbstone::bench::sensor_faults::catalogue {

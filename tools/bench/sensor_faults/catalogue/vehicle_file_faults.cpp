@@ -1,4 +1,4 @@
-#include "tools/bench/sensor_faults/catalogue/vehicle_file_faults.hpp"
+#include "tools/bench/sensor_faults/catalogue/fault_lists.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -66,7 +66,7 @@ export class Relief {
     ++this.picture;
     gl.enable(gl.DEPTH_TEST);
     if (cells) {
-      const seen = byPage(squaresInView(this.pages.all.values(), camera, this.budget.widest, kReach));
+      const nearestFirst = squaresInView(this.pages.all.values(), camera, this.budget.widest, kReach), seen = byPage(nearestFirst);
       const pictures = new Map([...seen].map(([page, squares]) => [page, paint(page, Math.max(...squares.map(widthOfCell)))]));
       const use = (program: Program) => {
         program.use();
@@ -79,8 +79,8 @@ export class Relief {
       this.eachPage(net, camera, seen, pictures, ({ square }) => this.drawNet(square, isDraft ? this.nets.coarse : this.nets.fine));
       use(this.block);
       gl.enable(gl.CULL_FACE);
-      let left = this.budget.faces;
-      this.eachPage(this.block, camera, seen, pictures, one => { left -= this.drawBoxes(one, left); });
+      const boxes = this.boxesWithin(this.budget.faces, nearestFirst);
+      this.eachPage(this.block, camera, seen, pictures, ({ square }) => this.drawBoxes(boxes.get(square)));
       gl.disable(gl.CULL_FACE);
       gl.disableVertexAttribArray(1);
       this.forget();
@@ -113,20 +113,31 @@ export class Relief {
     gl.drawElements(gl.TRIANGLES, indices.n, gl.UNSIGNED_SHORT, 0);
   }
 
-  /// Draws fine boxes if there is room for them. Returns the number of faces drawn.
-  private drawBoxes(one: Seen, room: number): number {
-    const { gl } = this, { square } = one, cell = widthOfCell(one);
-    let boxes: Boxes | null = null;
-    if (cell >= kFineCell) boxes = square.boxes[0] ??= this.boxesOf(square, 0);
-    if ((!boxes || boxes.faces > room) && cell >= kCoarseCell) boxes = square.boxes[1] ??= this.boxesOf(square, 1);
-    if (!boxes || boxes.faces === 0 || boxes.faces > room) return 0;
+  /// The boxes of the nearest squares, fine ones if there is room for them. Beyond the first without room there are none.
+  private boxesWithin(room: number, nearestFirst: Seen[]): Map<Square, Boxes> {
+    const chosen = new Map<Square, Boxes>();
+    for (const one of nearestFirst) {
+      const { square } = one, cell = widthOfCell(one);
+      let boxes: Boxes | null = null;
+      if (cell >= kFineCell) boxes = square.boxes[0] ??= this.boxesOf(square, 0);
+      if ((!boxes || boxes.faces > room) && cell >= kCoarseCell) boxes = square.boxes[1] ??= this.boxesOf(square, 1);
+      if (!boxes) continue;
+      if (boxes.faces > room) break;
+      if (boxes.faces > 0) chosen.set(square, boxes);
+      room -= boxes.faces;
+    }
+    return chosen;
+  }
+
+  private drawBoxes(boxes?: Boxes): void {
+    if (!boxes) return;
+    const { gl } = this;
     gl.bindBuffer(gl.ARRAY_BUFFER, boxes.buffer);
     gl.vertexAttribPointer(0, 4, gl.FLOAT, false, 24, 0);
     gl.enableVertexAttribArray(1);
     gl.vertexAttribPointer(1, 2, gl.FLOAT, false, 24, 16);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.faceIndices);
     gl.drawElements(gl.TRIANGLES, 6 * boxes.faces, gl.UNSIGNED_SHORT, 0);
-    return boxes.faces;
   }
 
   private boxesOf({ page, level, column, row }: Square, coarse: number): Boxes {

@@ -122,8 +122,8 @@ TEST(HeliosNode, TakesItsAnglesFromAFileInstead) {
   LidarConfig config = config_for(ModelName::kHelios16p);
   config.angles_file = folder / "angles.csv";
   std::ofstream file(config.angles_file);
-  file << "# elevation, azimuth\n";
-  for (int i = 0; i < 16; ++i) file << 13 - (i - 1) << "," << 1.5 << "\n";
+  file << "\xEF\xBB\xBF# elevation, azimuth\r\n";
+  for (int i = 0; i < 16; ++i) file << (i % 2 == 0 ? " " : "") << 13 - (i - 1) << "," << 1.5 << "\n";
   file.close();
   Bench bench(config);
   for (int i = 0; i < 3; ++i) {

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "tests/tools/bench/sensor_faults/catalogue/fault_helpers.hpp"
+#include "tools/bench/sensor_faults/catalogue/fault_lists.hpp"
 #include "tools/bench/sensor_faults/catalogue/faulty_messages.hpp"
 
 namespace curbstone::bench::sensor_faults::catalogue {
@@ -96,6 +97,16 @@ TEST(SensorFaultCatalogue, ASecondSendersMessagesFollowUnchangedOnes) {
   }
 }
 
+TEST(SensorFaultCatalogue, NothingIsWrongInAFaultlessDrive) {
+  const auto unchanged = sent(Fault{}, 0);
+  std::set<std::string> names;
+  for (const Fault& drive : faultless_drives()) {
+    EXPECT_TRUE(names.insert(drive.name).second) << drive.name;
+    EXPECT_EQ(sent(drive, 0), unchanged) << drive.name;
+    EXPECT_TRUE(drive.settings.empty() && !drive.drive.empty()) << drive.name;
+  }
+}
+
 TEST(SensorFaultCatalogue, OtherChannelsAndBrokenMessages) {
   FaultyMessages messages(fault_named("IMU silent").make(), 0);
   LogEvent event{1, "CONFIG", {1, 2, 3}};
@@ -106,11 +117,11 @@ TEST(SensorFaultCatalogue, OtherChannelsAndBrokenMessages) {
 }
 
 TEST(SensorFaultCatalogue, IsChosenByARegularExpression) {
-  EXPECT_EQ(faults_named("").size(), all_faults().size());
-  EXPECT_EQ(faults_named("^IMU: gyro (0|frozen)$").size(), 2U);
-  for (const Fault& fault : faults_named("^wheels: ")) EXPECT_EQ(fault.sensor, "wheels");
-  EXPECT_THROW((void)faults_named("("), std::runtime_error);
-  EXPECT_THROW((void)faults_named("no such fault"), std::runtime_error);
+  EXPECT_EQ(named(all_faults(), "").size(), all_faults().size());
+  EXPECT_EQ(named(all_faults(), "^IMU: gyro (0|frozen)$").size(), 2U);
+  for (const Fault& fault : named(all_faults(), "^wheels: ")) EXPECT_EQ(fault.sensor, "wheels");
+  EXPECT_THROW((void)named(all_faults(), "("), std::runtime_error);
+  EXPECT_THROW((void)named(all_faults(), "no such fault"), std::runtime_error);
 }
 
 TEST(SensorFaultCatalogue, TheFileIsWrongInOneThing) {
