@@ -30,34 +30,15 @@ TilePipeline::Tile* TilePipeline::find(TileKey key) {
 /// visit(key, tile): the tile and its neighbours, as far as they exist.
 template <class Visit>
 void TilePipeline::for_around(TileKey key, Visit visit) {
-  Tile* const centre = find(key);
-  if (centre == nullptr) return;
-  std::size_t i = 0;
-  for (std::int32_t dy = -1; dy <= 1; ++dy) {
-    for (std::int32_t dx = -1; dx <= 1; ++dx, ++i) {
-      if (Tile* const tile = centre->around[i]) visit(TileKey{key.x + dx, key.y + dy}, *tile);
-    }
-  }
-}
-
-/// The tile, new if there was none, and linked with its neighbours.
-std::pair<TilePipeline::Tile*, bool> TilePipeline::make(TileKey key) {
-  const auto [it, is_new] = tiles_.try_emplace(key);
-  Tile* const tile = &it->second;
-  if (!is_new) return {tile, false};
   constexpr std::int64_t kMin = std::numeric_limits<std::int32_t>::min();
   constexpr std::int64_t kMax = std::numeric_limits<std::int32_t>::max();
-  std::size_t i = 0;
   for (std::int64_t y = std::int64_t{key.y} - 1; y <= std::int64_t{key.y} + 1; ++y) {
-    for (std::int64_t x = std::int64_t{key.x} - 1; x <= std::int64_t{key.x} + 1; ++x, ++i) {
+    for (std::int64_t x = std::int64_t{key.x} - 1; x <= std::int64_t{key.x} + 1; ++x) {
       if (x < kMin || x > kMax || y < kMin || y > kMax) continue;
-      Tile* const other = find({static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)});
-      if (other == nullptr) continue;
-      tile->around[i] = other;
-      other->around[tile->around.size() - 1 - i] = tile;  // it lies the other way
+      const TileKey neighbour{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
+      if (Tile* tile = find(neighbour)) visit(neighbour, *tile);
     }
   }
-  return {tile, true};
 }
 
 /// get(tile): pointer to the product of one tile.
@@ -107,7 +88,7 @@ std::optional<VotedChange> TilePipeline::apply(const tile::VotedStep& step) {
   Tile* const known = find(step.key);
   if (known != nullptr) wake(step.key, *known);
   if (!tile::continues(step, known == nullptr ? nullptr : &known->layers->voted)) return std::nullopt;
-  Tile& tile = known == nullptr ? *make(step.key).first : *known;
+  Tile& tile = known == nullptr ? tiles_[step.key] : *known;
   tile::VotedTile& voted = tile.layers->voted;
   const std::size_t points_before = voted.points.size();
   tile::take_step(step, voted);
@@ -117,10 +98,10 @@ std::optional<VotedChange> TilePipeline::apply(const tile::VotedStep& step) {
 
 void TilePipeline::set_voted(tile::VotedTile voted, bool has_grown) {
   const TileKey key = voted.key;
-  const auto [tile, is_new] = make(key);
-  wake(key, *tile);
-  tile->layers->voted = std::move(voted);
-  voted_changed(key, *tile, is_new, has_grown);
+  const auto [it, is_new] = tiles_.try_emplace(key);
+  wake(key, it->second);
+  it->second.layers->voted = std::move(voted);
+  voted_changed(key, it->second, is_new, has_grown);
 }
 
 void TilePipeline::voted_changed(TileKey key, Tile& tile, bool is_new, bool has_grown) {

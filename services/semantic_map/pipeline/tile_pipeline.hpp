@@ -101,10 +101,8 @@ class TilePipeline {
         std::make_shared<std::vector<markings::MarkingCell>>();
     bool is_in_changed = false;
     std::array<std::int64_t, kNumSteps> stale{};  ///< its turn in stale_, or kFresh
-    std::array<Tile*, 9> around{};                ///< row by row, itself in the middle; null where there is none
   };
   [[nodiscard]] Tile* find(TileKey key);
-  std::pair<Tile*, bool> make(TileKey key);
   /// Whoever reads or writes a tile's layers wakes it before.
   void wake(TileKey key, Tile& tile);
   void wake_for(Step step, TileKey key, Tile& tile);
