@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
-#include <set>
 
 #include "common/bus/levels.hpp"
 #include "common/time/clock.hpp"
@@ -74,7 +73,10 @@ DeputyApp::DeputyApp(DeputyAppOptions options)
                   .ended = [this](const process::CommandState& state, std::int64_t lived) { on_ended(state, lived); }}),
       other_signals_(take_signals({SIGHUP, SIGQUIT})) {
   prepare_environment();
-  load_config();
+  OwnConfig own = read_own_config(options_);
+  config_ = std::move(own.config);
+  for (const std::string& warning : own.warnings) log_line(warning);
+  for (const config::Command& command : config_.commands) supervisor_.set(command);
   bus_ = std::make_unique<LcmBus>(options_.lcm_url);
   deputy_ =
       std::make_unique<Deputy>(DeputyOptions{.id = options_.id,
@@ -85,41 +87,6 @@ DeputyApp::DeputyApp(DeputyAppOptions options)
   deputy_->connect(*bus_);
   reporter_.emplace("deputy:" + options_.id, "");
   bus_->subscribe<service_status_t>("SERVICE_STATUS", [this](const service_status_t& status) { on_status(status); });
-}
-
-void DeputyApp::load_config() {
-  if (options_.config_file.empty() && !options_.allow_any) {
-    throw UsageError("nothing to run: give --config FILE.cfg, or --allow-any to take orders for any command");
-  }
-  try {
-    if (!options_.config_file.empty()) config_ = config::load_config_file(options_.config_file);
-  } catch (const std::runtime_error& error) {
-    throw UsageError(error.what());
-  }
-  std::set<std::string> deputies;
-  for (const config::Command& command : config_.commands) deputies.insert(command.deputy);
-  if (options_.id.empty()) options_.id = deputies.size() == 1 ? *deputies.begin() : host_name();
-  if (!config_.commands.empty() && !deputies.contains(options_.id)) {
-    throw UsageError(fmt::format("{} has no command for deputy \"{}\", only for: {}; choose one with --id",
-                                 options_.config_file, options_.id, fmt::join(deputies, ", ")));
-  }
-  const config::Script* start = config_.find_script(options_.script);
-  if (!options_.script.empty() && start == nullptr) {
-    throw UsageError(fmt::format("{} has no script \"{}\"", options_.config_file, options_.script));
-  }
-  for (const config::Script& script : config_.scripts) {
-    const std::vector<std::string> errors = config::check_script(config_, script);
-    if (errors.empty()) continue;
-    const std::string what = config::join_errors(options_.config_file, errors);
-    if (&script == start) throw UsageError(what);
-    log_line(fmt::format("script \"{}\" cannot be run: {}", script.name, what));
-  }
-  std::erase_if(config_.commands, [&](const config::Command& command) { return command.deputy != options_.id; });
-  if (!options_.exit_when.empty() && config_.find_command(options_.exit_when) == nullptr) {
-    throw UsageError(fmt::format("--exit-when {}: {} has no such command for deputy \"{}\"", options_.exit_when,
-                                 options_.config_file, options_.id));
-  }
-  for (const config::Command& command : config_.commands) supervisor_.set(command);
 }
 
 int DeputyApp::run() {

@@ -6,7 +6,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <string>
 
 #include "common/bus/lcm_bus.hpp"
@@ -15,6 +14,7 @@
 #include "procman/config/config.hpp"
 #include "procman/deputy/alarms.hpp"
 #include "procman/deputy/deputy.hpp"
+#include "procman/deputy/deputy_config.hpp"
 #include "procman/deputy/doctor_run.hpp"
 #include "procman/deputy/heartbeats.hpp"
 #include "procman/deputy/script_runner.hpp"
@@ -24,28 +24,6 @@
 #include "procman/process/supervisor.hpp"
 
 namespace curbstone::procman::deputy {
-
-/// Wrong options or config; what() is a message for the operator.
-class UsageError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-struct DeputyAppOptions {
-  std::string config_file;  ///< empty: none
-  std::string id;           ///< empty: the only deputy that the config names, else the host name
-  std::string script;       ///< script to run at the start
-  bool start_all = false;
-  bool allow_any = false;           ///< accept orders for commands that are not in the config
-  bool allow_empty_orders = false;  ///< an order without commands removes all that are not in the config
-  bool doctor = false;              ///< run `curbstone doctor` at the start
-  bool quiet = false;               ///< do not print the commands' output
-  std::string lcm_url;
-  std::string log_dir;
-  output::KeepLimits keep;
-  std::string exit_when;  ///< when this command has ended, stop the others and exit
-  double settle = 0;      ///< s between the end of `exit_when` and stopping the others
-};
 
 /// The process `curbstone-deputy`: a deputy on the bus that also runs its own config without a sheriff. One thread.
 class DeputyApp {
@@ -57,7 +35,6 @@ class DeputyApp {
   int run();
 
  private:
-  void load_config();
   void begin();
   void tick();
   void shut_down();

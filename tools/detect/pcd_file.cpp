@@ -1,17 +1,15 @@
 #include "tools/detect/pcd_file.hpp"
 
 #include <fmt/format.h>
-#include <pcl/PCLPointCloud2.h>
-#include <pcl/console/print.h>
-#include <pcl/conversions.h>
-#include <pcl/io/pcd_io.h>
-#include <pcl/point_types.h>
+#include <pcl/io/lzf.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <map>
+#include <numeric>
 #include <set>
 #include <string>
 
@@ -25,26 +23,33 @@ namespace {
 const std::set<std::string_view> kKeys = {"VERSION", "FIELDS", "SIZE",      "TYPE",   "COUNT",
                                           "WIDTH",   "HEIGHT", "VIEWPOINT", "POINTS", "DATA"};
 
+struct Field {
+  std::string name;
+  std::string type;         // F, U or I
+  std::uint64_t size = 0;   // bytes of a number
+  std::uint64_t count = 1;  // numbers of the field
+  [[nodiscard]] std::uint64_t bytes() const { return size * count; }
+};
+
 struct Header {
-  std::vector<std::string> fields;
-  std::vector<std::string> types;
-  std::vector<std::uint64_t> counts;  // numbers of each field; 1 if the file does not say
+  std::vector<Field> fields;
   std::uint64_t points = 0;
   std::string data;
 
-  /// Index of the first number of a field in a row; nothing if there is no such field of single floats.
-  [[nodiscard]] std::optional<std::size_t> column(std::string_view name) const {
-    std::size_t column = 0;
-    for (std::size_t i = 0; i < fields.size(); column += counts[i++]) {
-      if (fields[i] == name) return types[i] == "F" && counts[i] == 1 ? std::optional(column) : std::nullopt;
-    }
-    return {};
+  [[nodiscard]] std::uint64_t point_bytes() const {
+    return std::accumulate(fields.begin(), fields.end(), std::uint64_t{0},
+                           [](std::uint64_t sum, const Field& field) { return sum + field.bytes(); });
   }
   [[nodiscard]] std::size_t columns() const {
-    std::size_t columns = 0;
-    for (const std::uint64_t count : counts) columns += count;
-    return columns;
+    return std::accumulate(fields.begin(), fields.end(), std::size_t{0},
+                           [](std::size_t sum, const Field& field) { return sum + field.count; });
   }
+};
+
+/// The coordinate of one axis of the points, in bytes.
+struct Axis {
+  std::uint64_t begin, step;
+  bool is_double;
 };
 
 class PcdReader {
@@ -55,34 +60,51 @@ class PcdReader {
   Header read_header() {
     constexpr int kMostLines = 1000;
     Header header;
-    std::set<std::string, std::less<>> seen;
-    while (header.data.empty() && lines_.number() < kMostLines && lines_.next()) {
+    std::map<std::string, std::vector<std::string>, std::less<>> said;
+    while (!said.contains("DATA") && lines_.number() < kMostLines && lines_.next()) {
       std::string_view rest = lines_.line();
       const std::string_view key = next_word(rest);
       if (key.empty() || key.starts_with('#')) continue;
       if (!kKeys.contains(key)) fail(fmt::format("is not a pcd cloud: line {} is none of its header", lines_.number()));
-      seen.emplace(key);
-      std::vector<std::string> words;
+      std::vector<std::string>& words = said[std::string(key)];
+      words.clear();
       for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) words.emplace_back(word);
-      take(key, words, header);
     }
     for (const char* key : {"FIELDS", "SIZE", "TYPE", "WIDTH", "HEIGHT", "POINTS", "DATA"}) {
-      if (!seen.contains(key)) fail(fmt::format("is not a pcd cloud: its header has no {}", key));
+      if (!said.contains(key)) fail(fmt::format("is not a pcd cloud: its header has no {}", key));
     }
-    if (lines_.is_marked() && header.data != "ascii")
-      fail("a byte order mark before binary points: PCL cannot read it");
-    if (header.counts.empty()) header.counts.assign(header.fields.size(), 1);
-    if (header.types.size() != header.fields.size() || header.counts.size() != header.fields.size())
-      fail("its header contradicts itself");
+    const auto number_of = [&](const char* key, std::size_t i) {
+      const auto number = number_in<std::uint64_t>(said[key][i]);
+      if (!number) fail(fmt::format("{} of its header is no number", key));
+      return *number;
+    };
+    const std::size_t fields = said["FIELDS"].size();
+    for (const char* key : {"SIZE", "TYPE", "COUNT"}) {
+      if (said.contains(key) && said[key].size() != fields) contradicts();
+    }
+    for (std::size_t i = 0; i < fields; ++i) {
+      constexpr std::uint64_t kMostCounts = 100'000;
+      header.fields.push_back({said["FIELDS"][i], said["TYPE"][i], number_of("SIZE", i),
+                               said.contains("COUNT") ? number_of("COUNT", i) : 1});
+      if (header.fields.back().size > 8 || header.fields.back().count > kMostCounts) contradicts();
+    }
+    for (const char* key : {"WIDTH", "HEIGHT", "POINTS", "DATA"}) {
+      if (said[key].size() != 1) fail(fmt::format("{} of its header is not one word", key));
+    }
+    header.points = number_of("POINTS", 0);
+    const std::uint64_t width = number_of("WIDTH", 0), height = number_of("HEIGHT", 0);
+    if (header.points > kMostShrunk * size_ || width > header.points ||
+        height > std::max<std::uint64_t>(header.points, 1) || width * height != header.points)
+      contradicts();
+    header.data = said["DATA"][0];
     return header;
   }
 
   std::vector<Eigen::Vector3f> read_rows(const Header& header, const Eigen::Vector3d& origin) {
     std::array<std::size_t, 3> axes{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto column = header.column(std::string_view("xyz").substr(axis, 1));
-      if (!column) fail("truncated, or not a pcd cloud with x y z of float or double");
-      axes[axis] = *column;
+      const std::size_t field = field_of(header, axis);
+      for (std::size_t i = 0; i < field; ++i) axes[axis] += header.fields[i].count;
     }
     std::vector<double> values(header.columns());
     std::vector<Eigen::Vector3f> points;
@@ -106,32 +128,94 @@ class PcdReader {
     return points;
   }
 
+  /// One point after the other.
+  std::vector<Eigen::Vector3f> read_records(const Header& header, const Eigen::Vector3d& origin) {
+    const std::uint64_t step = header.point_bytes();
+    if (header.points * step > left()) fail("truncated");
+    std::array<Axis, 3> axes{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::size_t field = field_of(header, axis);
+      std::uint64_t begin = 0;
+      for (std::size_t i = 0; i < field; ++i) begin += header.fields[i].bytes();
+      axes[axis] = {begin, step, header.fields[field].size == 8};
+    }
+    return points_of(take(header.points * step), axes, header.points, origin);
+  }
+
+  /// LZF-compressed, one field after the other.
+  std::vector<Eigen::Vector3f> read_compressed(const Header& header, const Eigen::Vector3d& origin) {
+    const std::vector<char> sizes = take(std::min<std::uint64_t>(left(), 8));
+    if (sizes.size() < 8) fail("truncated");
+    std::uint32_t small = 0, large = 0;
+    std::memcpy(&small, sizes.data(), 4);
+    std::memcpy(&large, sizes.data() + 4, 4);
+    if (small > left()) fail("truncated");
+    if (large != header.points * header.point_bytes() || large > kMostShrunk * small) contradicts();
+    const std::vector<char> compressed = take(small);
+    std::vector<char> bytes(large);
+    if (large > 0 && pcl::lzfDecompress(compressed.data(), small, bytes.data(), large) != large)
+      fail("its compressed points are damaged");
+    std::array<Axis, 3> axes{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::size_t field = field_of(header, axis);
+      std::uint64_t begin = 0;
+      for (std::size_t i = 0; i < field; ++i) begin += header.points * header.fields[i].bytes();
+      axes[axis] = {begin, header.fields[field].size, header.fields[field].size == 8};
+    }
+    return points_of(bytes, axes, header.points, origin);
+  }
+
  private:
+  static constexpr std::uint64_t kMostShrunk = 264;  // bytes that LZF makes of one, at most
+
   [[noreturn]] void fail(const std::string& why) const {
     throw CloudFileError(fmt::format("{}: {}", path_.string(), why));
   }
   [[noreturn]] void fail_here(const std::string& why) const {
     throw CloudFileError(fmt::format("{}:{}: {}", path_.string(), lines_.number(), why));
   }
+  [[noreturn]] void contradicts() const { fail("its header contradicts itself, or the file's size"); }
 
-  /// PCL crashes or allocates without bound on headers with false sizes.
-  std::uint64_t plausible(const std::vector<std::string>& words, std::uint64_t most) const {
-    const auto number = words.size() == 1 ? number_in<std::uint64_t>(words[0]) : std::nullopt;
-    if (!number || *number > most) fail_here("is not a size that this file can have");
-    return *number;
+  /// Index of the field of an axis: a single float or double.
+  [[nodiscard]] std::size_t field_of(const Header& header, std::size_t axis) const {
+    const auto found = std::ranges::find(header.fields, std::string(1, "xyz"[axis]), &Field::name);
+    if (found == header.fields.end() || found->type != "F" || found->count != 1 ||
+        (found->size != 4 && found->size != 8))
+      fail("is not a pcd cloud with x y z of float or double");
+    return static_cast<std::size_t>(found - header.fields.begin());
   }
 
-  void take(std::string_view key, const std::vector<std::string>& words, Header& header) const {
-    constexpr std::uint64_t kMostCounts = 100'000;
-    const std::uint64_t most = 200 * size_;  // points, even compressed
-    if (key == "FIELDS") header.fields = words;
-    if (key == "TYPE") header.types = words;
-    if (key == "WIDTH" || key == "HEIGHT") plausible(words, most);
-    if (key == "POINTS") header.points = plausible(words, most);
-    if (key == "DATA") header.data = words.empty() ? "none" : words[0];
-    if (key == "COUNT") {
-      for (const std::string& word : words) header.counts.push_back(plausible({word}, kMostCounts));
+  /// Bytes of the file that are not read yet.
+  [[nodiscard]] std::uint64_t left() {
+    const auto at = in_.tellg();
+    return at < 0 ? 0 : size_ - std::min<std::uint64_t>(size_, static_cast<std::uint64_t>(at));
+  }
+  std::vector<char> take(std::uint64_t n) {
+    std::vector<char> bytes(n);
+    if (!in_.read(bytes.data(), static_cast<std::streamsize>(n))) fail("truncated");
+    return bytes;
+  }
+
+  static std::vector<Eigen::Vector3f> points_of(const std::vector<char>& bytes, const std::array<Axis, 3>& axes,
+                                                std::uint64_t n, const Eigen::Vector3d& origin) {
+    std::vector<Eigen::Vector3f> points(n);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Axis& of = axes[axis];
+      const auto k = static_cast<Eigen::Index>(axis);
+      for (std::uint64_t i = 0; i < n; ++i) {
+        const char* at = bytes.data() + of.begin + i * of.step;
+        double value = 0;
+        float single = 0;
+        if (of.is_double) {
+          std::memcpy(&value, at, sizeof value);
+        } else {
+          std::memcpy(&single, at, sizeof single);
+          value = static_cast<double>(single);
+        }
+        points[i](k) = static_cast<float>(value - origin(k));
+      }
     }
+    return points;
   }
 
   std::filesystem::path path_;
@@ -140,52 +224,15 @@ class PcdReader {
   TextLines lines_;
 };
 
-std::vector<Eigen::Vector3f> read_with_pcl(const std::filesystem::path& path, const Eigen::Vector3d& origin) {
-  pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);  // it prints errors; this function throws instead
-  pcl::PCLPointCloud2 blob;
-  int result = -1;
-  try {
-    result = pcl::PCDReader().read(path.string(), blob);
-  } catch (const std::exception&) {
-    // reported below
-  }
-  const bool has_xyz = std::all_of(std::begin("xyz"), std::end("xyz") - 1, [&](char name) {
-    return std::any_of(blob.fields.begin(), blob.fields.end(), [&](const pcl::PCLPointField& field) {
-      return field.name == std::string(1, name) &&
-             (field.datatype == pcl::PCLPointField::FLOAT32 || field.datatype == pcl::PCLPointField::FLOAT64);
-    });
-  });
-  const std::size_t count = std::size_t{blob.width} * blob.height;
-  if (result < 0 || !has_xyz || blob.point_step == 0 || blob.data.size() < count * blob.point_step)
-    throw CloudFileError(fmt::format("{}: truncated, or not a pcd cloud with x y z of float or double", path.string()));
-  std::vector<Eigen::Vector3f> points(count);
-  for (const pcl::PCLPointField& field : blob.fields) {
-    const std::size_t found = std::string("xyz").find(field.name);
-    if (field.name.size() != 1 || found == std::string::npos) continue;
-    const auto axis = static_cast<Eigen::Index>(found);
-    const bool is_double = field.datatype == pcl::PCLPointField::FLOAT64;
-    if (field.offset + (is_double ? 8 : 4) > blob.point_step)
-      throw CloudFileError(fmt::format("{}: its header contradicts itself", path.string()));
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::uint8_t* at = &blob.data[i * blob.point_step + field.offset];
-      double value = 0;
-      float single = 0;
-      if (is_double)
-        std::memcpy(&value, at, sizeof value);
-      else
-        std::memcpy(&single, at, sizeof single);
-      points[i](axis) = static_cast<float>((is_double ? value : static_cast<double>(single)) - origin(axis));
-    }
-  }
-  return points;
-}
-
 }  // namespace
 
 std::vector<Eigen::Vector3f> read_pcd(const std::filesystem::path& path, const Eigen::Vector3d& origin) {
   PcdReader reader(path);
   const Header header = reader.read_header();
-  return header.data == "ascii" ? reader.read_rows(header, origin) : read_with_pcl(path, origin);
+  if (header.data == "ascii") return reader.read_rows(header, origin);
+  if (header.data == "binary") return reader.read_records(header, origin);
+  if (header.data == "binary_compressed") return reader.read_compressed(header, origin);
+  throw CloudFileError(fmt::format("{}: is not a pcd cloud: its points are \"{}\"", path.string(), header.data));
 }
 
 }  // namespace curbstone::detect

@@ -23,6 +23,22 @@ constexpr const char* kPcan21 =
     "      1      1059.900 DT 1     0300 Rx -  7    00 00 00 00 04 00 00\n      2      1060.000 ST 1          Rx -  4  "
     "  00 00 00 08\n";
 
+constexpr const char* kPly =
+    "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nproperty uchar "
+    "red\n"
+    "element face 1\nproperty list uchar int vertex_indices\nend_header\n1 2 3 255\n-1.5 2e-3 nan 0\n2 0 1\n";
+constexpr std::string_view kBinaryPly =
+    "ply\nformat binary_big_endian 1.0\nelement list 1\nproperty list uchar short a\nelement vertex 1\nproperty double "
+    "x\n"
+    "property float y\nproperty float "
+    "z\nend_header\n\x02\x01\x02\x03\x04?\xF0\x01\x01\x01\x01\x01\x01@@\x01\x01@\x80\x01\x01";
+constexpr const char* kPcd =
+    "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\n"
+    "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n1 2 3 4\n-1 2.5 nan 0\n";
+constexpr const char* kBinaryPcd =
+    "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA binary\n"
+    "abc?def@ghi@";
+
 void write(const SeedFolder& folder, const std::string& target, const std::string& name, std::string_view text) {
   const auto bytes = bytes_of(text);
   folder.write(target, name, {bytes.begin(), bytes.end()});
@@ -44,6 +60,10 @@ void write_text_seeds(const SeedFolder& folder) {
   }
   write(folder, "can_signal", "intel", "181 0|32@1- (1,0)\n\x01\x02\x03\x04\x05\x06\x07\x08");
   write(folder, "can_signal", "motorola", "18FEF100 7|16@0+ (0.00390625,-12)\n\x01\x02\x03\x04");
+  write(folder, "cloud", "ply", kPly);
+  write(folder, "cloud", "binary_ply", kBinaryPly);
+  write(folder, "cloud", "pcd", kPcd);
+  write(folder, "cloud", "binary_pcd", kBinaryPcd);
   write(folder, "angles", "with_azimuth", "# elevation,azimuth\n-15.0,0.1\n-13,0\n\n15,-2.5\n");
   write(folder, "angles", "elevation", "-15\n-13\n-11\n");
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <pcl/io/lzf.h>
 
 #include <algorithm>
 #include <array>
@@ -131,6 +132,37 @@ TEST_F(CloudFileTest, PcdTextOfEveryLayoutIsRead) {
   expect_read("a.pcd", pcd("x y z rgb", "4 4 4 4", "F F F U", "1 1 1 1", rows("{0} {1} {2} 4294967295\n")));
 }
 
+/// Of every point: a byte of padding, z as a double, then y and x.
+TEST_F(CloudFileTest, BinaryPcdIsReadCompressedOrNot) {
+  const auto head = [](const char* data) {
+    std::string text = pcd("_ z y x", "1 8 4 4", "U F F F", "3 1 1 1", "");
+    return text.replace(text.find("ascii"), 5, data);
+  };
+  std::string records, x, y, z;
+  for (const auto& p : kPoints) {
+    records += "abc";
+    put(records, static_cast<double>(p[2]), false), put(z, static_cast<double>(p[2]), false);
+    put(records, p[1], false), put(y, p[1], false);
+    put(records, p[0], false), put(x, p[0], false);
+  }
+  expect_read("a.pcd", head("binary") + records);
+  expect_read("a.pcd", "\xEF\xBB\xBF" + with_crlf(head("binary")) + records);
+  const std::string columns = std::string(12, 'a') + z + y + x;
+  std::string small(columns.size(), '\0');
+  small.resize(pcl::lzfCompress(columns.data(), static_cast<unsigned>(columns.size()), small.data(),
+                                static_cast<unsigned>(small.size())));
+  ASSERT_GT(small.size(), 0U);
+  std::string compressed = head("binary_compressed");
+  put(compressed, static_cast<std::uint32_t>(small.size()), false);
+  put(compressed, static_cast<std::uint32_t>(columns.size()), false);
+  expect_read("a.pcd", compressed + small);
+
+  EXPECT_THAT(why("a.pcd", head("binary") + records.substr(1)), HasSubstr("truncated"));
+  EXPECT_THAT(why("a.pcd", (compressed + small).substr(0, compressed.size() + 9)), HasSubstr("truncated"));
+  EXPECT_THAT(why("a.pcd", compressed + std::string(small.size(), '\x20')), HasSubstr("damaged"));
+  EXPECT_THAT(why("a.pcd", head("bin")), HasSubstr("its points are \"bin\""));
+}
+
 /// Where PCL reads zeros.
 TEST_F(CloudFileTest, TextThatIsNoNumberIsAnErrorWithItsLine) {
   std::string commas = rows();
@@ -155,9 +187,7 @@ TEST_F(CloudFileTest, TextThatIsNoNumberIsAnErrorWithItsLine) {
 
 /// PCL crashed on a line that it does not know.
 TEST_F(CloudFileTest, AHeaderWithAForeignLineIsRefused) {
-  std::string text = pcd("x y z", "4 4 4", "F F F", "", rows());
-  text.replace(text.find("ascii"), 5, "binary");
-  EXPECT_THAT(why("a.pcd", "\xEF\xBB\xBF" + text), HasSubstr("a byte order mark before binary points"));
+  const std::string text = pcd("x y z", "4 4 4", "F F F", "", rows());
   EXPECT_THAT(why("a.pcd", "CREATOR me\n" + text), HasSubstr("line 1 is none of its header"));
   EXPECT_THAT(why("a.pcd", "FIELDS x y z\nSIZE 4 4 4\nTYPE F F\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n"),
               HasSubstr("contradicts itself"));
