@@ -86,7 +86,7 @@ double UpdateSchedule::urgency(const Pending& pending, double distance, std::int
 
 /// The most urgent tile with points of its own that are new, either to a good part of them or for a while.
 std::optional<TileWork> UpdateSchedule::take_pending(const Eigen::Vector2d& vehicle, std::int64_t now) {
-  std::optional<std::tuple<bool, double, TileKey>> first;
+  std::optional<std::tuple<std::int64_t, double, TileKey>> first;
   for (const auto& [key, pending] : pending_) {
     const auto before = static_cast<double>(pending.points_before);
     const bool is_large = static_cast<double>(pending.points) * (1 - kLargeShare) >= before;
@@ -94,8 +94,7 @@ std::optional<TileWork> UpdateSchedule::take_pending(const Eigen::Vector2d& vehi
     if (!is_large && waited < kPatience) continue;
     const double distance = std::sqrt(squared_distance(key, vehicle.x(), vehicle.y()));
     const bool is_overdue = waited >= kOverdue;
-    const double urgent = is_overdue ? static_cast<double>(waited) : urgency(pending, distance, now);
-    const std::tuple due(!is_overdue, -urgent, key);
+    const std::tuple due(is_overdue ? -waited : 0, -urgency(pending, distance, now), key);
     if (!first || due < *first) first = due;
   }
   if (!first) return std::nullopt;
