@@ -15,7 +15,7 @@ struct SemanticMapConfig {
   std::string map = "map.db";       ///< file; empty: the map lives in memory only
   bool keep_earlier_drives = true;  ///< in files beside the map
   std::string picture;              ///< PNG of the map, written at the end; empty: none
-  int work_per_tick = 9;            ///< tiles whose ground and curbs are computed per 20 ms
+  int work_per_tick = 11;           ///< on ground and curbs per 20 ms; the search of an average tile counts 1
   double curb_range = 20.0;         ///< m around the vehicle that CURBS and MARKINGS cover
   int max_pending_tiles = 20'000;   ///< kept in memory while the disk is full
   double keep_free = 1;             ///< GB of the disk that spilled tiles leave free
@@ -29,7 +29,8 @@ struct SemanticMapConfig {
     v.field("keep_earlier_drives", keep_earlier_drives,
             "a map that must make room for another drive's is kept beside it, as map-<its start>.db");
     v.field("picture", picture, "PNG of the map, written at the end; empty: none");
-    v.field("work_per_tick", work_per_tick, {1, 1000}, "tiles whose ground and curbs are looked for each 20 ms");
+    v.field("work_per_tick", work_per_tick, {1, 1000},
+            "work on ground and curbs each 20 ms; the search of an average tile is 1");
     v.field("curb_range", curb_range, {3, 100}, "m around the vehicle that CURBS and MARKINGS speak of");
     v.field("max_pending_tiles", max_pending_tiles, {100, 1e6}, "tiles kept in memory while the disk is full");
     v.field("keep_free", keep_free, {0, 1e6},

@@ -62,7 +62,7 @@ SemanticMapNode::SemanticMapNode(const SemanticMapConfig& config, Publisher& bus
 
 void SemanticMapNode::connect(Subscriber& bus) {
   bus.subscribe<voted_points_t>(
-      "VOTED_POINTS", [this](const voted_points_t& m) { on(m); }, kVotedQueue);
+      "VOTED_POINTS", [this](voted_points_t& m) { on(std::move(m)); }, kVotedQueue);
   bus.subscribe<tile_index_t>("TILE_INDEX", [this](const tile_index_t& m) { on(m); });
   bus.subscribe<tile_request_t>("TILE_REQUEST", [this](const tile_request_t& m) { on(m); });
   bus.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& m) { on(m); });
@@ -107,14 +107,14 @@ void SemanticMapNode::enter_epoch(std::int32_t epoch) {
     std::visit([this](const auto& message) { take(message); }, held);
 }
 
-void SemanticMapNode::on(const voted_points_t& message) {
+void SemanticMapNode::on(voted_points_t message) {
   counters_.add("voted_pages");
   if (!follow_epoch(message.epoch, EpochFollower::Source::kOther)) return counters_.add("dropped.other_epoch");
   const TileKey key{message.tile_x, message.tile_y};
   const auto revision = revisions_.find(key);
   if (revision != revisions_.end() && message.revision <= revision->second) return counters_.add("dropped.known");
   if (revision == revisions_.end() && revisions_.size() >= kMaxTiles) return counters_.add("dropped.map_full");
-  const auto step = assembler_.add(message, counters_);
+  const auto step = assembler_.add(std::move(message), counters_);
   if (!step) return;
   const auto change = pipeline_.apply(*step);
   if (!change) {

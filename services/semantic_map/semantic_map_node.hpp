@@ -49,7 +49,7 @@ class SemanticMapNode final : public Node {
   void finish() override;
   [[nodiscard]] NodeReport report() const override;
 
-  void on(const voted_points_t& message);
+  void on(voted_points_t message);
   void on(const tile_index_t& message);
   void on(const tile_request_t& message);
   void on(const map_pose_t& message);

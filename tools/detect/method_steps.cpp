@@ -115,8 +115,10 @@ MethodProducts run_steps(const std::vector<semantic_map::tile::VotedTile>& tiles
     products.top = std::max(products.bottom + 0.1, heights[heights.size() - 1 - heights.size() / 50]);
   }
   for (const auto& [key, tile] : products.voted) {
-    products.evidence[key] = semantic_map::curbs::find_curb_evidence(
-        around(products.voted, key), semantic_map::ground::GroundSurface(around(products.ground, key)), parameters);
+    products.evidence[key] =
+        semantic_map::curbs::find_curb_evidence(
+            around(products.voted, key), semantic_map::ground::GroundSurface(around(products.ground, key)), parameters)
+            .candidates;
   }
   for (const auto& [key, tile] : products.voted)
     products.curbs[key] = semantic_map::curbs::filter_curbs(around(products.evidence, key), parameters);

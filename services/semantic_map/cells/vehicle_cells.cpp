@@ -3,7 +3,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "services/semantic_map/cells/vehicle_outline.hpp"
@@ -13,6 +12,7 @@ namespace curbstone::semantic_map::cells {
 namespace {
 
 constexpr int kWindow = 3 * kCellsPerTile;  // cells
+constexpr std::size_t kMaxTiles = 512;      // 1.6 kB each; tiles with vehicles in sight are fewer
 constexpr int kHighCells = 10;              // as high as `min_vehicle`: less is a post or a bin
 
 using CellPlace = VehicleOutline::Cell;  // in the window
@@ -107,12 +107,6 @@ StandingAround standing_around(const tile::Around<CellColumns>& columns) {
   return around;
 }
 
-std::size_t hash_of(const StandingAround& around) {
-  std::size_t hash = 0;
-  for (const auto& cells : around) hash = hash * 31 + std::hash<std::bitset<tile::kCellsInTile>>{}(cells);
-  return hash;
-}
-
 /// Shortcut: most tiles have nothing as high as a vehicle nearby.
 bool may_hold_vehicles(const tile::Around<CellColumns>& columns) {
   std::size_t num_high = 0;
@@ -126,12 +120,15 @@ VehicleCells find_vehicles(const tile::Around<CellColumns>& columns) {
   return may_hold_vehicles(columns) ? find_among(columns) : VehicleCells{};
 }
 
-VehicleCells VehicleCache::find(const tile::Around<CellColumns>& columns) {
+VehicleCells VehicleCache::find(TileKey key, const tile::Around<CellColumns>& columns) {
   if (!may_hold_vehicles(columns)) return {};
   const StandingAround around = standing_around(columns);
-  Found& found = found_[hash_of(around) % found_.size()];
-  if (!found.is_known || found.around != around) found = {true, around, find_among(columns)};
-  return found.vehicles;
+  const auto it = found_.find(key);
+  if (it != found_.end() && it->second.around == around) return it->second.vehicles;
+  if (it == found_.end() && found_.size() >= kMaxTiles) found_.clear();
+  const VehicleCells vehicles = find_among(columns);
+  found_.insert_or_assign(key, Found{around, vehicles});
+  return vehicles;
 }
 
 }  // namespace curbstone::semantic_map::cells

@@ -2,8 +2,9 @@
 
 #include <array>
 #include <bitset>
-#include <vector>
+#include <unordered_map>
 
+#include "common/tiles/tile.hpp"
 #include "services/semantic_map/cells/cell_columns.hpp"
 
 namespace curbstone::semantic_map::cells {
@@ -19,20 +20,19 @@ struct VehicleCells {
 /// The only inputs of find_vehicles(): for each tile around, the cells that are standing and those that are high.
 using StandingAround = std::array<std::bitset<tile::kCellsInTile>, 18>;
 
-/// Caches find_vehicles() for a caller that asks for the same tiles repeatedly: usually nothing in or around a tile has
-/// changed, and the result is the same. A value type; one thread.
+/// Caches find_vehicles() for a caller that asks for the same tiles repeatedly: often nothing that stands in or around
+/// a tile has changed, and the result is the same. A value type; one thread.
 class VehicleCache {
  public:
-  /// The same as find_vehicles().
-  [[nodiscard]] VehicleCells find(const tile::Around<CellColumns>& columns);
+  /// The same as find_vehicles(). `key`: of the centre tile.
+  [[nodiscard]] VehicleCells find(TileKey key, const tile::Around<CellColumns>& columns);
 
  private:
   struct Found {
-    bool is_known = false;
     StandingAround around;
     VehicleCells vehicles;
   };
-  std::vector<Found> found_ = std::vector<Found>(256);  // 1.6 kB each; tiles with vehicles in sight are fewer
+  std::unordered_map<TileKey, Found, TileKeyHash> found_;  // of kMaxTiles at most
 };
 
 }  // namespace curbstone::semantic_map::cells

@@ -59,8 +59,8 @@ TiltedCell gather_tilt(const NearGroundPoints& points, const ground::GroundSurfa
 /// Where they are few it is looked for farther along, about the directions of the vote and of the ground at large.
 std::vector<FoundStep> find_steps(const NearGroundPoints& points, const TiltedCell& cell,
                                   const ground::GroundAt& ground, const tile::CurbParameters& parameters,
-                                  StepWindow& window) {
-  StepSearch search(points, cell.at, ground.layer_noise, parameters, window);
+                                  StepWindow& window, SearchEffort& effort) {
+  StepSearch search(points, cell.at, ground.layer_noise, parameters, window, effort);
   std::array<std::pair<Eigen::Vector2d, double>, 2> directions;  // how promising each is, straight ahead
   std::size_t num_directions = 0;
   const double length = parameters.half_length;
@@ -107,39 +107,39 @@ CurbCandidate candidate_of(const TiltedCell& cell) {
 
 std::vector<CurbCandidate> test_cell(const NearGroundPoints& points, const TiltedCell& cell,
                                      const ground::GroundSurface& ground, const tile::CurbParameters& parameters,
-                                     StepWindow& window) {
+                                     StepWindow& window, SearchEffort& effort) {
   if (!(cell.tilt.norm() > 1e-6)) return {};
   if (!parameters.use_step) return {candidate_of(cell)};
   const auto here = ground.at(cell.at.x(), cell.at.y());
   if (!here) return {};
   std::vector<CurbCandidate> candidates;
-  for (const FoundStep& found : find_steps(points, cell, *here, parameters, window))
+  for (const FoundStep& found : find_steps(points, cell, *here, parameters, window, effort))
     candidates.push_back(candidate_of(found, cell, parameters));
   return candidates;
 }
 
 }  // namespace
 
-std::vector<CurbCandidate> find_curb_evidence(const tile::Around<tile::VotedTile>& tiles,
-                                              const ground::GroundSurface& ground,
-                                              const tile::CurbParameters& parameters) {
-  std::vector<CurbCandidate> candidates;
+CurbEvidence find_curb_evidence(const tile::Around<tile::VotedTile>& tiles, const ground::GroundSurface& ground,
+                                const tile::CurbParameters& parameters) {
+  CurbEvidence evidence;
   thread_local NearGroundPoints points;  // for the sake of their memory
   thread_local StepWindow window;
   points.gather(tiles, ground, parameters);
+  evidence.effort.points = points.num_gathered();
   for (int row = 0; row < kCellsPerTile; ++row) {
     for (int column = 0; column < kCellsPerTile; ++column) {
       const TiltedCell cell = gather_tilt(points, ground, column, row, parameters);
       if (cell.count < kMinTilted) continue;
-      for (CurbCandidate& candidate : test_cell(points, cell, ground, parameters, window)) {
+      for (CurbCandidate& candidate : test_cell(points, cell, ground, parameters, window, evidence.effort)) {
         const auto height = ground.height(candidate.at.x(), candidate.at.y());
         if (!height) continue;
         candidate.z += *height;
-        candidates.push_back(candidate);
+        evidence.candidates.push_back(candidate);
       }
     }
   }
-  return candidates;
+  return evidence;
 }
 
 }  // namespace curbstone::semantic_map::curbs

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "services/semantic_map/curbs/curb_face.hpp"
+#include "services/semantic_map/curbs/step_search.hpp"
 #include "services/semantic_map/ground/ground_model.hpp"
 #include "services/semantic_map/tile/curb_parameters.hpp"
 #include "services/semantic_map/tile/voted_tile.hpp"
@@ -24,11 +25,17 @@ struct CurbCandidate {
   bool operator==(const CurbCandidate&) const = default;
 };
 
+/// The candidates of a tile, and what it took to find them.
+struct CurbEvidence {
+  std::vector<CurbCandidate> candidates;
+  SearchEffort effort;
+};
+
 /// Section VI, curb evidence: where normals near the ground tilt more than flat ground's do, and the ground really
 /// steps up from one side to the other. A cell may give several candidates, in different directions. Of the centre
 /// tile; looks at points within half a metre around it.
-[[nodiscard]] std::vector<CurbCandidate> find_curb_evidence(const tile::Around<tile::VotedTile>& tiles,
-                                                            const ground::GroundSurface& ground,
-                                                            const tile::CurbParameters& parameters);
+[[nodiscard]] CurbEvidence find_curb_evidence(const tile::Around<tile::VotedTile>& tiles,
+                                              const ground::GroundSurface& ground,
+                                              const tile::CurbParameters& parameters);
 
 }  // namespace curbstone::semantic_map::curbs

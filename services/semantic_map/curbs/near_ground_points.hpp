@@ -31,6 +31,8 @@ class NearGroundPoints {
   void gather(const tile::Around<tile::VotedTile>& tiles, const ground::GroundSurface& ground,
               const tile::CurbParameters& parameters);
 
+  /// All that were gathered, whether near the ground or not.
+  [[nodiscard]] std::size_t num_gathered() const { return n_; }
   /// visit(point) for all points in a cell of the tile itself.
   template <class Visit>
   void for_cell(int column, int row, Visit visit) const {

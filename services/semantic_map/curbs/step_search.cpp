@@ -142,6 +142,8 @@ bool StepSearch::fit_nearby(const Eigen::Vector2d& up, double half_length) {
 
 double StepSearch::fit_window(const Eigen::Vector2d& up, double half_length, bool exactly) {
   fill_window(points_, {at_, up, parameters_.half_window + kSearch, half_length}, exactly, window_);
+  ++effort_.windows;
+  effort_.window_points += window_.size();
   const auto step = find_height_step(window_, noise_, parameters_);
   // What is cheap to check comes first.
   if (!step) return 0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <vector>
 
 #include "services/semantic_map/curbs/curb_face.hpp"
@@ -17,6 +18,14 @@ struct FoundStep {
   double half_length = 0;  ///< m
 };
 
+/// How much was looked at. The same input gives the same, on any machine.
+struct SearchEffort {
+  std::size_t points = 0;         ///< that were gathered
+  std::size_t windows = 0;        ///< that a step was sought in
+  std::size_t window_points = 0;  ///< in all of them together
+  bool operator==(const SearchEffort&) const = default;
+};
+
 /// Searches height steps at a place, in windows of several directions and lengths. Of the steps in about one direction
 /// the most certain is kept; that also chooses between a long window, which sees more of a straight curb, and a short
 /// one, which a bend fits into. Steps in different directions are all kept: where scan lines are far apart, an oblique
@@ -24,10 +33,10 @@ struct FoundStep {
 /// (pool_along_line()).
 class StepSearch {
  public:
-  /// `noise`: m, how far heights scatter around. `window` is scratch memory.
+  /// `noise`: m, how far heights scatter around. `window` is scratch memory. `effort` grows by what is looked at.
   StepSearch(const NearGroundPoints& points, const Eigen::Vector2d& at, double noise,
-             const tile::CurbParameters& parameters, StepWindow& window)
-      : points_(points), at_(at), noise_(noise), parameters_(parameters), window_(window) {}
+             const tile::CurbParameters& parameters, StepWindow& window, SearchEffort& effort)
+      : points_(points), at_(at), noise_(noise), parameters_(parameters), window_(window), effort_(effort) {}
 
   /// Returns whether many points are around: a longer window would not make it clearer.
   bool fit_nearby(const Eigen::Vector2d& up, double half_length);
@@ -43,6 +52,7 @@ class StepSearch {
   double noise_;
   const tile::CurbParameters& parameters_;
   StepWindow& window_;
+  SearchEffort& effort_;
   std::vector<FoundStep> found_;
 };
 

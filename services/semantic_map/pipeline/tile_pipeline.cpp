@@ -3,17 +3,18 @@
 #include <algorithm>
 #include <limits>
 #include <span>
-#include <thread>
 #include <utility>
-
-#include "common/parallel/parallel_for.hpp"
 
 namespace curbstone::semantic_map::pipeline {
 namespace {
 
-constexpr std::size_t kSettledAtOnce = 256;  // tiles, before their products are taken
-constexpr unsigned kMaxThreads = 8;
 constexpr std::size_t kMaxAccumulators = 512;  // 40 kB each; tiles in sight of the vehicle are fewer
+
+/// Where the evidence of a tile takes 1 on average: as its time follows the effort in a town, within a fifth.
+double cost_of(const curbs::SearchEffort& effort) {
+  return 5e-5 * static_cast<double>(effort.points) + 1.1e-3 * static_cast<double>(effort.windows) +
+         1e-5 * static_cast<double>(effort.window_points);
+}
 
 }  // namespace
 
@@ -92,7 +93,7 @@ std::optional<VotedChange> TilePipeline::apply(const tile::VotedStep& step) {
   const std::size_t points_before = voted.points.size();
   tile::take_step(step, voted);
   voted_changed(step.key, tile, known == nullptr, step.base > 0);
-  return VotedChange{step.key, voted.revision, voted.utime, points_before, voted.points.size()};
+  return VotedChange{step.key, voted.revision, voted.utime, points_before, voted.points.size(), tile.update_cost};
 }
 
 void TilePipeline::set_voted(tile::VotedTile voted, bool has_grown) {
@@ -128,12 +129,16 @@ void TilePipeline::clear() {
 }
 
 void TilePipeline::refresh(Step step, TileKey key, Tile& tile) {
-  // In units of the evidence. Those of the two steps of paint are upper bounds.
-  constexpr std::array kCost = {0.05, 0.2, 1.0, 0.05, 0.05, 0.05, 0.05, 0.05};
+  // In units of what the evidence of a tile takes on average; that itself is counted (cost_of()), and so are the
+  // candidates that the curbs are chosen among. As measured in a town.
+  constexpr std::array kCost = {0.1, 0.2, 0.0, 0.1, 0.01, 0.05, 0.1, 0.1};
+  constexpr double kCandidateCost = 0.0035;
   if (!unmark(step, tile)) return;
   wake_for(step, key, tile);
   if (step == kCurbs && !tile.is_other_evidence) return take_curbs_utime(key, tile);  // they are as they were
   result_.cost += kCost[step];
+  if (step == kCurbs && !tile.evidence.empty())
+    for_around(key, [&](TileKey, Tile& t) { result_.cost += kCandidateCost * static_cast<double>(t.evidence.size()); });
   num_evidence_ += step == kEvidence ? 1 : 0;
   std::visit([&](auto&& product) { take(key, tile, std::forward<decltype(product)>(product)); },
              compute(step, key, tile, &vehicles_));
@@ -176,7 +181,7 @@ tile::MapTile TilePipeline::classify(TileKey key, const Tile& tile, cells::Vehic
   result.z_origin = tile.layers->voted.z_origin;
   const auto columns = around<cells::CellColumns>(key, [](Tile& t) { return &t.layers->columns; });
   cells::classify_cells(columns, around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return t.curbs.get(); }),
-                        vehicles != nullptr ? vehicles->find(columns) : cells::find_vehicles(columns), classes_,
+                        vehicles != nullptr ? vehicles->find(key, columns) : cells::find_vehicles(columns), classes_,
                         result);
   return result;
 }
@@ -202,7 +207,9 @@ void TilePipeline::take(TileKey key, Tile& tile, const ground::GroundModel& grou
   });
 }
 
-void TilePipeline::take(TileKey key, Tile& tile, std::vector<curbs::CurbCandidate> evidence) {
+void TilePipeline::take(TileKey key, Tile& tile, curbs::CurbEvidence found) {
+  result_.cost += cost_of(found.effort);
+  std::vector<curbs::CurbCandidate>& evidence = found.candidates;
   if (std::exchange(tile.evidence_utime, tile.layers->voted.utime) != tile.layers->voted.utime) mark(kCurbs, key, tile);
   if (evidence == tile.evidence) return;
   tile.evidence = std::move(evidence);
@@ -268,6 +275,7 @@ void TilePipeline::update(TileKey key) {
   Tile* const tile = find(key);
   if (tile == nullptr) return;
   for (const Step step : kUrgentSteps) refresh(step, key, *tile);
+  tile->update_cost = result_.cost;
 }
 
 void TilePipeline::update_columns(TileKey key) {
@@ -312,39 +320,6 @@ WorkResult TilePipeline::run(const TileWork& work) {
       break;
   }
   return std::exchange(result_, {});
-}
-
-/// Step by step: whatever a step makes stale is of a later one.
-WorkResult TilePipeline::settle(int threads) {
-  if (threads <= 0) threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, kMaxThreads));
-  result_ = {};
-  for (const Step step : kUrgentSteps) settle_step(step, threads);
-  for (const Step step : kPatientSteps) settle_step(step, threads);
-  return std::exchange(result_, {});
-}
-
-/// Nothing that a step reads is made by the same step of another tile: many are computed at once, and taken in turn.
-void TilePipeline::settle_step(Step step, int threads) {
-  std::vector<Product> products;  // each is large
-  std::vector<std::pair<TileKey, Tile*>> tiles;
-  while (!stale_[step].empty()) {
-    tiles.clear();
-    for (auto it = stale_[step].begin(); it != stale_[step].end() && tiles.size() < kSettledAtOnce; ++it)
-      tiles.emplace_back(it->second, find(it->second));
-    awakened_.clear();
-    for (const auto& [key, tile] : tiles) wake_for(step, key, *tile);
-    products.resize(std::max(products.size(), tiles.size()));
-    parallel_for(tiles.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) products[i] = compute(step, tiles[i].first, *tiles[i].second, nullptr);
-    });
-    num_evidence_ += step == kEvidence ? static_cast<std::int64_t>(tiles.size()) : 0;
-    for (std::size_t i = 0; i < tiles.size(); ++i) {
-      const auto& [key, tile] = tiles[i];
-      unmark(step, *tile);
-      std::visit([&, k = key, t = tile](auto& product) { take(k, *t, std::move(product)); }, products[i]);
-    }
-    for (const TileKey key : awakened_) sleep(key);
-  }
 }
 
 }  // namespace curbstone::semantic_map::pipeline

@@ -91,6 +91,7 @@ class TilePipeline {
     layers::SleepingLayers layers;
     ground::GroundModel ground;
     std::vector<curbs::CurbCandidate> evidence;
+    double update_cost = 0;           ///< of its last update, WorkResult::cost; 0: there was none
     std::int64_t evidence_utime = 0;  ///< us, of the newest points that it was looked for in
     bool is_other_evidence = true;    ///< here or around, than the curbs were made of
     std::shared_ptr<const std::vector<curbs::CurbPoint>> curbs = std::make_shared<std::vector<curbs::CurbPoint>>();
@@ -124,16 +125,16 @@ class TilePipeline {
   void settle_oldest();
   void refresh(Step step, TileKey key, Tile& tile);
   /// The result of a step of a tile: compute() reads what the steps before have made, and changes nothing.
-  using Product = std::variant<std::monostate, ground::GroundSamples, ground::GroundModel,
-                               std::vector<curbs::CurbCandidate>, std::vector<curbs::CurbPoint>, tile::MapTile,
-                               markings::PaintLayer, std::vector<markings::MarkingCell>>;
+  using Product = std::variant<std::monostate, ground::GroundSamples, ground::GroundModel, curbs::CurbEvidence,
+                               std::vector<curbs::CurbPoint>, tile::MapTile, markings::PaintLayer,
+                               std::vector<markings::MarkingCell>>;
   /// `vehicles`: of this thread alone; nullptr: nothing is remembered.
   [[nodiscard]] Product compute(Step step, TileKey key, const Tile& tile, cells::VehicleCache* vehicles);
   [[nodiscard]] tile::MapTile classify(TileKey key, const Tile& tile, cells::VehicleCache* vehicles);
   void take(TileKey key, Tile& tile, std::monostate columns);
   void take(TileKey key, Tile& tile, const ground::GroundSamples& samples);
   void take(TileKey key, Tile& tile, const ground::GroundModel& ground);
-  void take(TileKey key, Tile& tile, std::vector<curbs::CurbCandidate> evidence);
+  void take(TileKey key, Tile& tile, curbs::CurbEvidence evidence);
   void take(TileKey key, Tile& tile, std::vector<curbs::CurbPoint> curbs);
   void take(TileKey key, Tile& tile, const tile::MapTile& classes);
   void take(TileKey key, Tile& tile, markings::PaintLayer paint);

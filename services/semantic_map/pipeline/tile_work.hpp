@@ -15,6 +15,7 @@ struct VotedChange {
   std::int64_t utime = 0;
   std::size_t points_before = 0;
   std::size_t points = 0;
+  double update_cost = 0;  ///< WorkResult::cost of its last update; 0: there was none
 };
 
 /// A piece of work on the map.
@@ -36,7 +37,7 @@ struct TileWork {
 
 /// What a piece of work came to.
 struct WorkResult {
-  double cost = 0;            ///< where the curb evidence of a tile counts 1
+  double cost = 0;            ///< where the curb evidence of a tile counts 1 on average; by what was looked at
   std::set<TileKey> changed;  ///< tiles whose classes became others
   bool markings = false;      ///< whether the paint of any tile did
 };

@@ -15,12 +15,22 @@ constexpr double kLargeShare = 0.3;                  // new points of a tile, fr
 constexpr std::int64_t kPatience = 150'000;          // us after which they are searched, however few there are
 constexpr std::int64_t kSettlePatience = 1'000'000;  // us that a stale step may wait for new points of its tile
 constexpr double kSettleShare = 0.10;                // of the work: tiles with new points never end
+constexpr double kOld = 200'000;                     // us: what waits for so long is twice as urgent for it
+constexpr std::int64_t kOverdue = 1'000'000;         // us: what waits for longer comes first
+constexpr double kNear = 20;                         // m: there a tile is half as urgent as at the vehicle
+constexpr double kMeanUpdate = 1.7;                  // WorkResult::cost of a tile's update, on average in a town
+constexpr double kLeastUpdate = 0.5;                 // beside what is counted: no update is for nothing
 
 }  // namespace
 
 void UpdateSchedule::voted(const VotedChange& change, std::int64_t now) {
-  Pending& pending = pending_.try_emplace(change.key, Pending{now, change.points_before, 0, true}).first->second;
+  const auto [it, is_first] = pending_.try_emplace(change.key);
+  Pending& pending = it->second;
+  if (is_first) pending = {.since = now, .points_before = change.points_before, .is_shown = true};
   pending.points = change.points;
+  pending.cost = change.update_cost;
+  pending.num_steps += 1;
+  pending.mean_step_at += (static_cast<double>(now - pending.since) - pending.mean_step_at) / pending.num_steps;
   if (std::exchange(pending.is_shown, false)) unshown_.push_back(change.key);
 }
 
@@ -49,7 +59,10 @@ std::optional<TileWork> UpdateSchedule::next_work(const Eigen::Vector2d& vehicle
   return TileWork{TileWork::Kind::kOldestStep};
 }
 
+/// Half of an update is charged as if it cost what others do. Charged by its cost alone, curbs would become old where
+/// the tiles are costly; charged by the tile alone, all that is cheap would wait for them.
 void UpdateSchedule::spent(double cost) {
+  if (!settles_) cost = 0.5 * (cost + kMeanUpdate);
   budget_ -= cost;
   settling_owed_ = settles_ ? std::max(settling_owed_ - (1 - kSettleShare) * cost, -1.0)
                             : std::min(settling_owed_ + kSettleShare * cost, 1.0);
@@ -63,17 +76,25 @@ void UpdateSchedule::earn_work(std::int64_t now) {
   budget_ = std::min(budget_ + rate * elapsed, rate * kSavedWork);
 }
 
-/// A tile with points of its own that are new: the nearest of those that are new to a good part, or else the one that
-/// has waited for longest.
+/// By how much the age of all points that wait falls for each unit of cost, if the tile is updated now; the older the
+/// more. What was never updated counts as cheap: it is new.
+double UpdateSchedule::urgency(const Pending& pending, double distance, std::int64_t now) {
+  const auto waited = static_cast<double>(now - pending.since);
+  const double saved = pending.num_steps * (waited - pending.mean_step_at) * (1 + waited / kOld);
+  return std::max(saved, 0.0) / (pending.cost + kLeastUpdate) / (1 + distance / kNear);
+}
+
+/// The most urgent tile with points of its own that are new, either to a good part of them or for a while.
 std::optional<TileWork> UpdateSchedule::take_pending(const Eigen::Vector2d& vehicle, std::int64_t now) {
-  std::optional<std::tuple<bool, double, TileKey>> first;
+  std::optional<std::tuple<std::int64_t, double, TileKey>> first;
   for (const auto& [key, pending] : pending_) {
     const auto before = static_cast<double>(pending.points_before);
     const bool is_large = static_cast<double>(pending.points) * (1 - kLargeShare) >= before;
-    if (!is_large && std::abs(now - pending.since) < kPatience) continue;
-    const double order =
-        is_large ? squared_distance(key, vehicle.x(), vehicle.y()) : static_cast<double>(pending.since);
-    const std::tuple due(!is_large, order, key);
+    const std::int64_t waited = std::abs(now - pending.since);  // a clock may have jumped
+    if (!is_large && waited < kPatience) continue;
+    const double distance = std::sqrt(squared_distance(key, vehicle.x(), vehicle.y()));
+    const bool is_overdue = waited >= kOverdue;
+    const std::tuple due(is_overdue ? -waited : 0, -urgency(pending, distance, now), key);
     if (!first || due < *first) first = due;
   }
   if (!first) return std::nullopt;

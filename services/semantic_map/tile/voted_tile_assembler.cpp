@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/tiles/vector_memory.hpp"
 
@@ -130,7 +131,7 @@ void VotedTileAssembler::drop_oldest(Counters& counters) {
   counters.add("dropped.unfinished");
 }
 
-std::optional<VotedStep> VotedTileAssembler::add(const voted_points_t& page, Counters& counters) {
+std::optional<VotedStep> VotedTileAssembler::add(voted_points_t page, Counters& counters) {
   if (const char* why = defect(page)) {
     counters.add(why);
     return std::nullopt;
@@ -153,7 +154,7 @@ std::optional<VotedStep> VotedTileAssembler::add(const voted_points_t& page, Cou
     u = {.step = {key, page.chain, page.base, page.revision, {}}, .pages = {}, .num_pages = page.num_pages};
   }
   u.turn = ++turn_;
-  u.pages.try_emplace(page.page, page);
+  u.pages.try_emplace(page.page, std::move(page));
   if (u.pages.size() < static_cast<std::size_t>(u.num_pages)) return std::nullopt;
   VotedStep complete = std::move(u.step);
   for (auto& [number, part] : u.pages) complete.pages.push_back(std::move(part));

@@ -34,7 +34,7 @@ class VotedTileAssembler {
   static constexpr std::size_t kMaxUnfinished = 2000;  ///< tiles being assembled; the longest waiting is dropped first
 
   /// The step that this page completes, if it does. Invalid pages and inconsistent steps are refused and counted.
-  [[nodiscard]] std::optional<VotedStep> add(const voted_points_t& page, Counters& counters);
+  [[nodiscard]] std::optional<VotedStep> add(voted_points_t page, Counters& counters);
   void clear() { unfinished_.clear(); }
 
  private:

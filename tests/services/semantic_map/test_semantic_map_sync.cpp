@@ -271,7 +271,10 @@ TEST_F(SemanticMapNodeTest, ARestartKeepsTheLinesOfTilesThatDoNotComeAgain) {
       for (const auto& page : to_pages(tile, 2, 400)) bus.publish("VOTED_POINTS", page);
     }
     bus.dispatch();
-    for (int i = 1; i <= 400; ++i) node.tick(kStart + run * 9'000'000 + 20'000 * i);  // then it is killed
+    for (int i = 1; i <= 400; ++i) {  // then it is killed
+      node.tick(kStart + run * 9'000'000 + 20'000 * i);
+      if (i % 50 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(50));  // the file is written meanwhile
+    }
     const auto curbs = store::MapReader(config("map.db").map).curbs();
     if (run == 0) length[0] = length_of(curbs, false), length[1] = length_of(curbs, true);
     EXPECT_GT(length[0], 4);

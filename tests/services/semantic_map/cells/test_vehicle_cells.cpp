@@ -35,7 +35,7 @@ class VehicleCellsTest : public ::testing::Test {
     around.set(0, 0, &columns);
     around.set(1, 0, east);
     const TileCells found = find_vehicles(around).beneath;
-    EXPECT_EQ(memo_.find(around).beneath, found);
+    EXPECT_EQ(memo_.find({}, around).beneath, found);
     return found;
   }
 

@@ -45,8 +45,39 @@ TEST(UpdateSchedule, WhatWasBroughtUpToDateNeedNotBeShown) {
 
 TEST(UpdateSchedule, LooksForCurbsNearTheVehicleFirst) {
   UpdateSchedule schedule(kPlenty);
-  for (const int x : {20, 2, 11}) schedule.voted(voted({x, 0}, 500), kNow);
-  for (const int x : {2, 11, 20}) EXPECT_EQ(schedule.next_work(kVehicle, kNothingStale, kNow), update(x));
+  for (const int x : {-20, 2, 11}) schedule.voted(voted({x, 0}, 500), kNow);
+  for (const int x : {2, 11, -20}) EXPECT_EQ(schedule.next_work(kVehicle, kNothingStale, kNow + kTick), update(x));
+}
+
+TEST(UpdateSchedule, LooksForCurbsFirstWhereMostPointsWaitForWhatTheyCost) {
+  UpdateSchedule schedule(kPlenty);
+  const auto again = [&](int x, double cost, std::int64_t now) {
+    VotedChange change = voted({x, 0}, 500);
+    change.update_cost = cost;
+    schedule.voted(change, now);
+  };
+  // Of tiles that lie one beside the other: costly, cheap, and costly with three steps that wait.
+  again(0, 6, kNow);
+  again(1, 1, kNow);
+  for (int step = 0; step < 3; ++step) again(2, 6, kNow);
+  for (const int x : {1, 2, 0}) EXPECT_EQ(schedule.next_work(kVehicle, kNothingStale, kNow + kTick), update(x));
+}
+
+TEST(UpdateSchedule, NothingWaitsForMuchMoreThanASecond) {
+  UpdateSchedule schedule(1.0);
+  VotedChange far = voted({30, 0}, 1010, 1000);
+  far.update_cost = 10;
+  schedule.voted(far, kNow);
+  std::int64_t now = kNow;
+  for (bool is_served = false; !is_served; now += kTick) {
+    ASSERT_LE(now, kNow + 1'100'000);
+    for (int x = 0; x < 20; ++x) schedule.voted(voted({x, 0}, 500), now);  // near, cheap and without end
+    while (const auto work = schedule.next_work(kVehicle, kNothingStale, now)) {
+      schedule.spent(0.5);
+      is_served = is_served || *work == update(30);
+    }
+  }
+  EXPECT_GT(now, kNow + 900'000) << "but what is cheap and near comes first";
 }
 
 TEST(UpdateSchedule, AFewNewPointsWaitForOthersButNotForLong) {
@@ -105,7 +136,7 @@ TEST(UpdateSchedule, WhatIsStaleGetsItsShareThoughNewsNeverEnds) {
   for (std::int64_t now = kNow; now < kNow + 10'000'000; now += kTick) {
     for (int x = 0; x < 40; ++x) schedule.voted(voted({x, 0}, 500), now);
     while (const auto work = schedule.next_work(kVehicle, stale, now)) {
-      const double cost = *work == kSettle ? 0.05 : 1.4;
+      const double cost = *work == kSettle ? 0.05 : 1.7;
       schedule.spent(cost);
       all += cost;
       if (*work == kSettle) settled += cost;
