@@ -207,12 +207,11 @@ void TilePipeline::take(TileKey key, Tile& tile, const ground::GroundModel& grou
   });
 }
 
-void TilePipeline::take(TileKey key, Tile& tile, curbs::CurbEvidence found) {
-  result_.cost += cost_of(found.effort);
-  std::vector<curbs::CurbCandidate>& evidence = found.candidates;
+void TilePipeline::take(TileKey key, Tile& tile, curbs::CurbEvidence evidence) {
+  result_.cost += cost_of(evidence.effort);
   if (std::exchange(tile.evidence_utime, tile.layers->voted.utime) != tile.layers->voted.utime) mark(kCurbs, key, tile);
-  if (evidence == tile.evidence) return;
-  tile.evidence = std::move(evidence);
+  if (evidence.candidates == tile.evidence) return;
+  tile.evidence = std::move(evidence.candidates);
   mark_around(kCurbs, key);
   for_around(key, [](TileKey, Tile& t) { t.is_other_evidence = true; });
 }
