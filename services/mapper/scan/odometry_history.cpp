@@ -31,18 +31,18 @@ bool is_near(const Pose& a, const Pose& b, double dt, const Reach& reach) {
 OdometryHistory::Added OdometryHistory::add(const OdometrySample& sample) {
   if (!samples_.empty() && sample.utime <= samples_.back().utime) return add_late(sample);
   late_.clear();
-  if (samples_.empty() || leads_to(sample)) {
-    if (!elsewhere_.empty()) note_second_filter(sample.utime);
-    elsewhere_.clear();
-    append(sample);
-    return Added::kYes;
+  const bool continues_elsewhere =
+      !elsewhere_.empty() && is_near(elsewhere_.back().T_odom_base, sample.T_odom_base,
+                                     seconds(elsewhere_.back().utime, sample.utime), kFastest);
+  if (!samples_.empty() && !leads_to(samples_.size() - 1, sample)) {
+    if (!continues_elsewhere) elsewhere_.clear();
+    elsewhere_.push_back(sample);
+    return Added::kElsewhere;
   }
-  if (!elsewhere_.empty() && !is_near(elsewhere_.back().T_odom_base, sample.T_odom_base,
-                                      seconds(elsewhere_.back().utime, sample.utime), kFastest))
-    elsewhere_.clear();
-  elsewhere_.push_back(sample);
-  if (elsewhere_.size() < kAgreeingElsewhere) return Added::kElsewhere;
+  const bool has_leapt = continues_elsewhere && sample.utime - samples_.back().utime > kMaxGap;
+  if (!elsewhere_.empty() && !has_leapt) give_up_second_filter(sample.utime);
   for (const OdometrySample& leapt : std::exchange(elsewhere_, {})) append(leapt);
+  append(sample);
   return Added::kYes;
 }
 
@@ -59,11 +59,13 @@ OdometryHistory::Added OdometryHistory::add_late(const OdometrySample& sample) {
   }
   samples_ = std::exchange(late_, {});
   elsewhere_.clear();
+  other_dropped_ = second_filter_ = 0;  // of the clock before
   return Added::kClockJump;
 }
 
-/// Once may be a sample that was wrong; again within kReportedFor is another filter.
-void OdometryHistory::note_second_filter(std::int64_t utime) {
+/// Gives up what lay elsewhere. Once may be a sample that was wrong; again within kReportedFor is another filter.
+void OdometryHistory::give_up_second_filter(std::int64_t utime) {
+  elsewhere_.clear();
   if (utime - other_dropped_ < kReportedFor) second_filter_ = utime;
   other_dropped_ = utime;
 }
@@ -73,8 +75,7 @@ void OdometryHistory::append(const OdometrySample& sample) {
   if (samples_.size() > kCapacity) samples_.pop_front();
 }
 
-bool OdometryHistory::leads_to(const OdometrySample& sample) const {
-  const std::size_t last = samples_.size() - 1;
+bool OdometryHistory::leads_to(std::size_t last, const OdometrySample& sample) const {
   if (sample.utime - samples_[last].utime > kMaxGap) return true;
   const double dt = seconds(samples_[last].utime, sample.utime);
   const bool has_motion = last > 0 && samples_[last].utime - samples_[last - 1].utime <= kMaxGap;
@@ -87,10 +88,7 @@ bool OdometryHistory::fill(const OdometrySample& sample) {
   if (sample.utime < samples_.front().utime && (begin_ == 0 || sample.utime < begin_)) return false;
   const std::size_t place = lower_bound(sample.utime);
   if (samples_[place].utime == sample.utime) return false;
-  if (place > 0 && samples_[place].utime - samples_[place - 1].utime <= kMaxGap &&
-      !is_near(samples_[place - 1].T_odom_base, sample.T_odom_base, seconds(samples_[place - 1].utime, sample.utime),
-               kFastest))
-    return false;
+  if (place > 0 && !leads_to(place - 1, sample)) return false;
   samples_.insert(samples_.begin() + static_cast<std::ptrdiff_t>(place), sample);
   return true;
 }

@@ -34,7 +34,6 @@ class OdometryHistory {
   static constexpr int kAgreeing = 5;                  ///< row continue each other. From kFarBack on, which a log that
   static constexpr std::int64_t kFarBack = 1'000'000;  ///< is played into the bus may be, kAgreeingFarBack, for these
   static constexpr int kAgreeingFarBack = 20;          ///< come in bursts
-  static constexpr std::size_t kAgreeingElsewhere = 20;         ///< samples in a row after which the filter has leapt
   static constexpr std::int64_t kLongestClockStep = 1'000'000;  ///< us ahead
   static constexpr double kGapSteps = 1.6;
   static constexpr std::int64_t kReportedFor = 1'000'000;  ///< us
@@ -42,7 +41,7 @@ class OdometryHistory {
   enum class Added { kYes, kLate, kClockJump, kElsewhere };
   /// Adds a sample. Late samples are dropped. When the clock was set back, the earlier history is discarded, and the
   /// samples that told are the new one. A sample elsewhere than the motion leads is of another filter, and is dropped
-  /// unless kAgreeingElsewhere of them come without one of the first: the filter has leapt, and they are all added.
+  /// unless such samples come for kMaxGap without one of the first: the filter has leapt, and they are all added.
   Added add(const OdometrySample& sample);
 
   /// Whether two filters have published within the last kReportedFor.
@@ -57,7 +56,7 @@ class OdometryHistory {
   /// most ResendClient::kMaxMissing long.
   [[nodiscard]] std::optional<MissingMessages> gap(std::int64_t from) const;
   /// Inserts a sample before the newest one. False if there is one with the same stamp, or no room, or the sample lies
-  /// elsewhere than its neighbours.
+  /// elsewhere than the motion before it leads.
   bool fill(const OdometrySample& sample);
 
   /// us, stamp of the newest sample; 0: there is none.
@@ -97,10 +96,10 @@ class OdometryHistory {
   [[nodiscard]] bool is_clock_step(std::size_t i, std::size_t known) const;
   [[nodiscard]] Pose beyond(std::size_t last, std::int64_t utime) const;
   Added add_late(const OdometrySample& sample);
-  /// Whether the motion of the last samples leads to this newer one.
-  [[nodiscard]] bool leads_to(const OdometrySample& sample) const;
+  /// Whether the motion up to sample `last` leads to this later one. After more than kMaxGap nobody can tell: it does.
+  [[nodiscard]] bool leads_to(std::size_t last, const OdometrySample& sample) const;
   void append(const OdometrySample& sample);
-  void note_second_filter(std::int64_t utime);
+  void give_up_second_filter(std::int64_t utime);
   std::deque<OdometrySample> samples_;
   std::deque<OdometrySample> late_;       // the latest, in a row, that continue each other; none since one was in time
   std::deque<OdometrySample> elsewhere_;  // the latest, in a row, that continue each other in another frame

@@ -194,13 +194,30 @@ TEST(OdometryHistory, OfTwoFiltersTheFirstIsUsedWhereTheOtherIsAheadByABurst) {
 }
 
 TEST(OdometryHistory, AFilterThatLeapsIsFollowedWithoutAGap) {
-  OdometryHistory history = history_of(100);
-  for (int i = 100; i < 119; ++i) EXPECT_EQ(history.add(elsewhere(i)), OdometryHistory::Added::kElsewhere);
-  EXPECT_FALSE(history.reaches(elsewhere(118).utime));
-  EXPECT_EQ(history.add(elsewhere(119)), OdometryHistory::Added::kYes);
-  EXPECT_TRUE(history.covers(kStart, elsewhere(119).utime));
-  EXPECT_LT(apart(history.at(elsewhere(100).utime), elsewhere(100).T_odom_base), 1e-9);
-  EXPECT_EQ(history.add(elsewhere(120)), OdometryHistory::Added::kYes);
+  for (const int every : {1, 2, 3}) {  // 100, 50 and 33 Hz
+    OdometryHistory history;
+    for (int i = 0; i < 99; i += every) (void)history.add(sample(i));
+    int i = 99;
+    for (; elsewhere(i).utime - history.newest() <= OdometryHistory::kMaxGap; i += every)
+      EXPECT_EQ(history.add(elsewhere(i)), OdometryHistory::Added::kElsewhere);
+    EXPECT_FALSE(history.reaches(elsewhere(i).utime));
+    EXPECT_EQ(history.add(elsewhere(i)), OdometryHistory::Added::kYes);
+    EXPECT_TRUE(history.covers(kStart, elsewhere(i).utime)) << every;
+    EXPECT_LT(apart(history.at(elsewhere(99).utime), elsewhere(99).T_odom_base), 1e-9);
+    EXPECT_EQ(history.add(elsewhere(i + every)), OdometryHistory::Added::kYes);
+    EXPECT_FALSE(history.has_second_filter());
+  }
+}
+
+TEST(OdometryHistory, ASecondFilterOfBeforeTheClockWasSetBackIsNotReported) {
+  OdometryHistory history = history_of(300);
+  for (int i = 300; i < 400; ++i) {
+    (void)history.add(elsewhere(i));
+    (void)history.add(sample(i));
+  }
+  EXPECT_TRUE(history.has_second_filter());
+  for (int i = 10; i < 30; ++i) (void)history.add(sample(i));
+  EXPECT_EQ(history.newest(), sample(29).utime);
   EXPECT_FALSE(history.has_second_filter());
 }
 
