@@ -92,8 +92,11 @@ std::string run_table(const RunFigures& run) {
     text += fmt::format("             {} {} are not in the recording: a replay will differ\n", missing, channel);
   for (const auto& [name, value] : run.losses) text += fmt::format("             {} {}\n", name, value);
   if (run.latency) {
-    text += fmt::format("latency      measurement to tile: p50 {:.0f} ms, p95 {:.0f} ms ({} tiles)\n",
-                        run.latency->p50_ms, run.latency->p95_ms, run.latency->messages);
+    const RunFigures::Latency& tiles = *run.latency;
+    text += fmt::format(
+        "latency      measurement to tile: p50 {:.0f} ms, p95 {:.0f} ms, p99 {:.0f} ms, at most {:.0f} ms"
+        " ({} tiles)\n",
+        tiles.p50_ms, tiles.p95_ms, tiles.p99_ms, tiles.max_ms, tiles.messages);
     for (const auto& [channel, stage] : run.stages)
       text += fmt::format("             to {}: p50 {:.0f} ms, p95 {:.0f} ms\n", channel, stage.p50_ms, stage.p95_ms);
   }
@@ -108,6 +111,8 @@ std::string run_table(const RunFigures& run) {
       of_processes("memory       {:.0f} MB resident in all, files that several share counted in each:", "   {} {:.0f}",
                    run.memory_mb);
   text += of_processes("             {:.0f} MB without files:", "   {} {:.0f}", run.own_memory_mb);
+  text += of_processes("             {:.0f} MB without files a minute after the start:", "   {} {:.0f}",
+                       run.own_memory_after_a_minute_mb);
   return text;
 }
 
@@ -157,12 +162,15 @@ nlohmann::json dropped_json(const RunFigures& run) {
           {"by_recorder_channels", run.lost_by_recorder}};
 }
 
+nlohmann::json latency_json(const RunFigures::Latency& latency) {
+  return {{"p50", latency.p50_ms}, {"p95", latency.p95_ms}, {"p99", latency.p99_ms}, {"max", latency.max_ms}};
+}
+
 void add_run(const RunFigures& run, nlohmann::json& json) {
   if (run.processes > 0) json["dropped"] = dropped_json(run);
   if (run.latency) {
-    json["latency_ms"] = {{"p50", run.latency->p50_ms}, {"p95", run.latency->p95_ms}};
-    for (const auto& [channel, stage] : run.stages)
-      json["latency_ms"]["stages"][channel] = {{"p50", stage.p50_ms}, {"p95", stage.p95_ms}};
+    json["latency_ms"] = latency_json(*run.latency);
+    for (const auto& [channel, stage] : run.stages) json["latency_ms"]["stages"][channel] = latency_json(stage);
   }
   if (!run.first_after_s.empty()) json["start_s"] = run.first_after_s;
   if (run.set_off_after_s) json["start_s"]["set_off"] = *run.set_off_after_s;
@@ -171,6 +179,9 @@ void add_run(const RunFigures& run, nlohmann::json& json) {
     nlohmann::json of_process = {{"name", process}, {"cores", share}, {"memory_mb", run.memory_mb.at(process)}};
     if (const auto own = run.own_memory_mb.find(process); own != run.own_memory_mb.end())
       of_process["own_memory_mb"] = own->second;
+    if (const auto minute = run.own_memory_after_a_minute_mb.find(process);
+        minute != run.own_memory_after_a_minute_mb.end())
+      of_process["own_memory_after_a_minute_mb"] = minute->second;
     json["processes"].push_back(std::move(of_process));
   }
 }

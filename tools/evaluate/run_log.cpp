@@ -27,7 +27,8 @@ namespace curbstone::evaluate {
 
 namespace {
 
-constexpr double kMoved = 0.05;  // m
+constexpr double kMoved = 0.05;                    // m
+constexpr std::int64_t kFirstMinute = 60'000'000;  // us
 
 bool is_driver(const std::string& service) {
   return service == "lidar" || service == "rslidar" || service == "imu" || service == "encoder";
@@ -46,7 +47,8 @@ bool is_loss(const std::string& service, const std::string& counter) {
 struct ProcessSpan {
   service_status_t first;
   service_status_t last;
-  std::int64_t own_kb = 0;  ///< its memory.own_kb at the end of the drive
+  std::int64_t own_kb = 0;                    ///< its memory.own_kb at the end of the drive
+  std::optional<std::int64_t> minute_own_kb;  ///< likewise, at its first status after the first minute
 };
 
 std::int64_t counter_of(const service_status_t& status, const char* name) {
@@ -90,8 +92,8 @@ std::optional<RunFigures::Latency> latency_of(const std::vector<Sent>& messages,
   }
   const bool live = std::any_of(ages.begin(), ages.end(), [](double ms) { return ms > 0; });
   if (!live) return std::nullopt;
-  return RunFigures::Latency{quantile_in_place(ages, 0.5), quantile_in_place(ages, 0.95),
-                             static_cast<int>(ages.size())};
+  return RunFigures::Latency{quantile_in_place(ages, 0.5), quantile_in_place(ages, 0.95), quantile_in_place(ages, 0.99),
+                             *std::max_element(ages.begin(), ages.end()), static_cast<int>(ages.size())};
 }
 
 /// Collects the messages of a recording, in the order in which they were logged.
@@ -171,6 +173,9 @@ class Recording {
     if (driving) {
       it->second.last = status;
       it->second.own_kb = counter_of(status, "memory.own_kb");
+      const auto lidar = first.find("LIDAR_POINTS");
+      const bool minute_is_over = lidar != first.end() && log_utime - lidar->second >= kFirstMinute;
+      if (minute_is_over && !it->second.minute_own_kb) it->second.minute_own_kb = it->second.own_kb;
     } else {
       it->second.last.counter_name = status.counter_name;
       it->second.last.counter_value = status.counter_value;
@@ -209,6 +214,8 @@ RunFigures read_run_log(const std::string& file) {
     const auto uptime = static_cast<double>(span.last.uptime - span.first.uptime);
     figures.memory_mb[service] = 1e-6 * static_cast<double>(span.last.memory);
     if (span.own_kb > 0) figures.own_memory_mb[service] = 1e-3 * static_cast<double>(span.own_kb);
+    if (span.minute_own_kb)
+      figures.own_memory_after_a_minute_mb[service] = 1e-3 * static_cast<double>(*span.minute_own_kb);
     if (uptime > 0) figures.cores[service] = static_cast<double>(span.last.cpu_time - span.first.cpu_time) / uptime;
     for (std::size_t i = 0; i < span.last.counter_name.size(); ++i) {
       const std::string& name = span.last.counter_name[i];

@@ -18,6 +18,8 @@ struct RunFigures {
   struct Latency {
     double p50_ms = 0;  ///< from the measurement to the message on the bus
     double p95_ms = 0;
+    double p99_ms = 0;
+    double max_ms = 0;
     int messages = 0;  ///< number of messages: those sent while the LiDAR was active
   };
   /// Of a tile's newest points; only tiles with new points count. Empty if the log was not recorded live: a replay has
@@ -34,6 +36,8 @@ struct RunFigures {
   std::map<std::string, double> memory_mb;  ///< resident at the end, by service, MB of 10^6 bytes; likewise
   /// The part of it without file pages, which processes share; only for processes that report it.
   std::map<std::string, double> own_memory_mb;
+  /// The same a minute after the first LIDAR_POINTS: what the end has more is growth. Empty for a shorter drive.
+  std::map<std::string, double> own_memory_after_a_minute_mb;
   std::map<std::string, std::int64_t> losses;  ///< "lidar lost.packets": all that are not zero
   bool log_is_damaged = false;                 ///< parts of the recording could not be read
 };

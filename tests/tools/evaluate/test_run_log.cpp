@@ -82,6 +82,42 @@ TEST(RunLog, SumsLossesLatencyAndCores) {
   EXPECT_NEAR(run.own_memory_mb.at("mapper"), 34, 1e-9);
 }
 
+TEST(RunLog, TellsTheMemoryAfterAMinuteFromThatAtTheEnd) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "minutes.lcmlog";
+  {
+    LogWriter log(file);
+    write(log, "LIDAR_POINTS", lidar_points_t{}, 5'000'000);
+    for (int s = 4; s < 130; ++s) {  // its memory grows by 3 MB at 64, 66, 100 and 120 s
+      const int grown = (s >= 64) + (s >= 66) + (s >= 100) + (s >= 120);
+      write(log, "SERVICE_STATUS", status("mapper", 1'000'000 * s, 0, grown), 1'000'000 * s);
+      write(log, "LIDAR_POINTS", lidar_points_t{}, 1'000'000 * s + 1'500'000);
+    }
+  }
+  const RunFigures run = read_run_log(file);
+  EXPECT_NEAR(run.own_memory_after_a_minute_mb.at("mapper"), 28, 1e-9) << "at 65 s";
+  EXPECT_NEAR(run.own_memory_mb.at("mapper"), 37, 1e-9);
+}
+
+TEST(RunLog, TheRareLatenessShowsInTheUpperQuantiles) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "late.lcmlog";
+  {
+    LogWriter log(file);
+    semantic_tile_t tile{};
+    for (int i = 1; i <= 1000; ++i) {  // 1 ms, but 100 ms for one in fifty, and once 400
+      tile.utime = 1'000'000 * i;
+      write(log, "SEMANTIC_TILE", tile, tile.utime + (i == 500 ? 400'000 : i % 50 == 0 ? 100'000 : 1'000));
+    }
+    write(log, "LIDAR_POINTS", lidar_points_t{}, 2'000'000'000);
+  }
+  const RunFigures run = read_run_log(file);
+  ASSERT_TRUE(run.latency);
+  EXPECT_NEAR(run.latency->p95_ms, 1, 1e-9);
+  EXPECT_NEAR(run.latency->p99_ms, 100, 1e-9);
+  EXPECT_NEAR(run.latency->max_ms, 400, 1e-9);
+}
+
 TEST(RunLog, SaysHowLongAfterTheFirstPacketThereWasAMapAndTheVehicleSetOff) {
   const test::TemporaryFolder folder;
   const std::string file = folder / "start.lcmlog";
