@@ -159,9 +159,12 @@ class Recording {
   }
   void shown(const semantic_tile_t& tile, std::int64_t log_utime) {
     first.emplace("SEMANTIC_TILE", log_utime);
-    // A tile that is sent again because of its neighbours shows no new measurement.
+    if (epoch_ && tile.epoch != *epoch_) epoch_began_ = log_utime;
+    epoch_ = tile.epoch;
+    // A tile that is sent again because of its neighbours shows no new measurement. Nor does one that a new epoch has
+    // moved: its newest points may be another tile's of before.
     std::int64_t& newest = newest_shown_[{tile.tile_x, tile.tile_y}];
-    if (tile.utime <= newest) return;
+    if (tile.utime <= std::max(newest, epoch_began_)) return;
     newest = tile.utime;
     tiles.push_back(sent(log_utime, tile.utime));
   }
@@ -185,6 +188,8 @@ class Recording {
   std::map<std::string, std::function<void(const LogEvent&)>> handlers_;
   std::optional<Eigen::Vector3d> began_at_;       // m, of base_link in map
   std::map<TileKey, std::int64_t> newest_shown_;  // us, the newest measurement that a tile showed
+  std::optional<std::int32_t> epoch_;             // of the newest tile
+  std::int64_t epoch_began_ = 0;                  // us, when its first tile was logged; 0: it is the first epoch
 };
 
 /// Start-up times of the stages, from the first packet.

@@ -118,6 +118,30 @@ TEST(RunLog, TheRareLatenessShowsInTheUpperQuantiles) {
   EXPECT_NEAR(run.latency->max_ms, 400, 1e-9);
 }
 
+TEST(RunLog, WhatANewEpochMovesIntoAnotherTileIsNotLate) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "epochs.lcmlog";
+  {
+    LogWriter log(file);
+    semantic_tile_t tile{};
+    const auto show = [&](int epoch, int x, int measured_s, int ms_later) {
+      tile.epoch = epoch;
+      tile.tile_x = x;
+      tile.utime = 1'000'000 * measured_s;
+      write(log, "SEMANTIC_TILE", tile, tile.utime + 1'000 * ms_later);
+    };
+    show(1, 0, 10, 20);
+    show(1, 1, 40, 30);
+    show(2, 0, 40, 50'000);  // a loop was closed at 90 s: what tile 1 showed lies in tile 0 now
+    show(2, 0, 91, 40);
+    write(log, "LIDAR_POINTS", lidar_points_t{}, 200'000'000);
+  }
+  const RunFigures run = read_run_log(file);
+  ASSERT_TRUE(run.latency);
+  EXPECT_EQ(run.latency->messages, 3);
+  EXPECT_NEAR(run.latency->max_ms, 40, 1e-9);
+}
+
 TEST(RunLog, SaysHowLongAfterTheFirstPacketThereWasAMapAndTheVehicleSetOff) {
   const test::TemporaryFolder folder;
   const std::string file = folder / "start.lcmlog";
