@@ -9,6 +9,7 @@
 
 #include "common/bus/lcm_bus.hpp"
 #include "common/config/command_line.hpp"
+#include "common/shell/process_memory.hpp"
 #include "common/shell/status_reporter.hpp"
 #include "common/shell/version.hpp"
 #include "common/time/clock.hpp"
@@ -19,6 +20,7 @@ namespace curbstone {
 namespace {
 
 constexpr std::chrono::seconds kConfigPeriod{5};
+constexpr std::chrono::seconds kMemoryPeriod{10};
 constexpr std::chrono::milliseconds kLookPeriod{200};  // of checks whether a fault has begun or ended
 
 constexpr int kLastTurns = 10;  // calls of handle() for messages that arrived before the end
@@ -78,6 +80,7 @@ void run(service_config_t config, const std::string& url, const std::string& has
     if (status.faults_changed(node->report())) publish_status();
   });
   loop.every(kConfigPeriod, publish_config);
+  loop.every(kMemoryPeriod, [] { return_unused_memory(); });
   publish_status();
   publish_config();
   loop.run();

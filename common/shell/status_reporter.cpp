@@ -5,10 +5,10 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <fstream>
 #include <utility>
 
 #include "common/bus/levels.hpp"
+#include "common/shell/process_memory.hpp"
 #include "common/shell/version.hpp"
 
 namespace curbstone {
@@ -26,19 +26,6 @@ std::int64_t cpu_time() {
   getrusage(RUSAGE_SELF, &usage);
   const auto us = [](const timeval& t) { return std::int64_t{t.tv_sec} * 1'000'000 + t.tv_usec; };
   return us(usage.ru_utime) + us(usage.ru_stime);
-}
-
-/// Resident memory of the process, bytes.
-struct Memory {
-  std::int64_t resident = 0;
-  std::int64_t own = 0;  // without pages of files, which processes with the same programs and libraries share
-};
-Memory memory() {
-  std::ifstream statm("/proc/self/statm");
-  std::int64_t total = 0, resident = 0, of_files = 0;
-  statm >> total >> resident >> of_files;
-  const std::int64_t page = sysconf(_SC_PAGESIZE);
-  return {resident * page, (resident - of_files) * page};
 }
 
 }  // namespace
@@ -68,14 +55,14 @@ void StatusReporter::publish(Publisher& bus, const Counters& bus_counters, const
   clock_step_.read(before, status_.utime, clocks_.steady());
   status_.uptime = clocks_.steady() - start_;
   status_.cpu_time = cpu_time();
-  const Memory lies_in_memory = memory();
-  status_.memory = lies_in_memory.resident;
+  const ProcessMemory memory = process_memory();
+  status_.memory = memory.resident;
   status_.latency_p50 = static_cast<float>(report.latency_p50);
   status_.latency_p99 = static_cast<float>(report.latency_p99);
   status_.counter_name.clear();
   status_.counter_value.clear();
   Counters of_process;
-  set_level(of_process, "memory.own_kb", lies_in_memory.own / 1000);
+  set_level(of_process, "memory.own_kb", memory.own / 1000);
   if (clock_step_.steps() > 0) of_process.set("clock.steps", clock_step_.steps());
   for (const Counters* counters : {&report.counters, &bus_counters, &std::as_const(of_process)}) {
     for (const auto& [name, value] : counters->values()) {

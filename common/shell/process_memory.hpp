@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+
+namespace curbstone {
+
+/// Resident memory of this process, bytes.
+struct ProcessMemory {
+  std::int64_t resident = 0;
+  std::int64_t own = 0;  ///< without pages of files, which processes with the same programs and libraries share
+};
+[[nodiscard]] ProcessMemory process_memory();
+
+/// Gives memory that the process has freed back to the system, if it is 32 MB or more. glibc keeps what was freed
+/// between blocks in use: a service would keep for ever what it needed once, such as all tiles of a map whose loop is
+/// closed. Returns the bytes given back. Takes 1 ms, and 20 ms where 200 MB are free; any thread.
+std::int64_t return_unused_memory();
+
+}  // namespace curbstone
