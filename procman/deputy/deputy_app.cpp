@@ -75,7 +75,6 @@ DeputyApp::DeputyApp(DeputyAppOptions options)
   prepare_environment();
   OwnConfig own = read_own_config(options_);
   config_ = std::move(own.config);
-  for (const std::string& warning : own.warnings) log_line(warning);
   for (const config::Command& command : config_.commands) supervisor_.set(command);
   bus_ = std::make_unique<LcmBus>(options_.lcm_url);
   deputy_ =
@@ -85,6 +84,7 @@ DeputyApp::DeputyApp(DeputyAppOptions options)
                                supervisor_, *bus_);
   deputy_->on_sheriff_arrived = [this] { resend_last_lines(); };
   deputy_->connect(*bus_);
+  for (const std::string& warning : own.warnings) log_line(warning);  // to sheriffs, too: deputy_ is there now
   reporter_.emplace("deputy:" + options_.id, "");
   bus_->subscribe<service_status_t>("SERVICE_STATUS", [this](const service_status_t& status) { on_status(status); });
 }
