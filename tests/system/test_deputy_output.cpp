@@ -23,5 +23,18 @@ TEST(DeputyOutput, SaysWhichScriptCannotBeRunAndRunsTheRest) {
   EXPECT_THAT(result.out, HasSubstr("a: it runs"));
 }
 
+/// Ctrl-S in its terminal, `| less`, a connection that stalls.
+TEST(DeputyOutput, TheVehicleDoesNotWaitForWhoReadsIt) {
+  const test::TemporaryFolder folder;
+  write_file(folder / "test.cfg",
+             "cmd \"talker\" { exec = \"sh -c 'yes | head -c 5000000; sleep 100'\"; deputy = \"d\"; }\n"
+             "cmd \"end\" { exec = \"sh -c 'sleep 3'\"; deputy = \"d\"; }\n");
+  run_program(fmt::format("sh -c '(timeout 15 curbstone-deputy --start-all --exit-when end --config {0}/test.cfg; "
+                          "echo $? >{0}/status) 2>&1 | sleep 16'",
+                          folder.path().string()),
+              40);
+  EXPECT_EQ(read_file(folder / "status"), "0\n") << "124: it was still waiting for its reader";
+}
+
 }  // namespace
 }  // namespace curbstone::system_test
