@@ -1,5 +1,8 @@
 #include "common/config/command_line.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
@@ -30,6 +33,14 @@ std::string not_finite(const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
   return *end == '\0' && !std::isfinite(value) ? "Value " + text + " is no number" : "";
+}
+
+/// A caller may have closed a standard stream (`nohup ... >&-`). The next file or socket would take its number, and
+/// what is printed would be written into it.
+void open_standard_streams() {
+  for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(fd, F_GETFD) < 0) (void)!::open("/dev/null", O_RDWR);  // takes the lowest number that is free
+  }
 }
 
 }  // namespace
@@ -121,6 +132,7 @@ void CommandLine::version(const std::string& text) {
 }
 
 std::optional<int> CommandLine::read(int argc, const char* const* argv) {
+  open_standard_streams();
   try {
     app_->parse(argc, argv);
   } catch (const CLI::ParseError& error) {

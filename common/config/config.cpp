@@ -4,18 +4,31 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <fstream>
 #include <sstream>
+#include <system_error>
 #include <type_traits>
 
 #include "common/config/duplicate_keys.hpp"
 #include "common/config/known_keys.hpp"
+#include "common/config/number_advice.hpp"
 #include "common/config/second_document.hpp"
+#include "common/config/text_form.hpp"
 
 namespace curbstone {
 
 namespace {
+
+constexpr std::string_view kSet = "--set ";  // begins the name of a setting that is in no file
+
+/// ", not '0.2 m'": for errors.
+std::string what_stands_there(const YAML::Node& node) {
+  if (node.IsSequence()) return ", not a list";
+  if (node.IsMap()) return ", not a map";
+  return node.IsNull() ? ", and nothing stands there" : fmt::format(", not '{}'", node.Scalar());
+}
 
 /// The visitor that puts values into the struct.
 class Loader final : public ConfigVisitor {
@@ -27,24 +40,36 @@ class Loader final : public ConfigVisitor {
   }
 
   void field(const char* key, bool& value, const char*) override { scalar(key, value, "true or false"); }
-  void field(const char* key, int& value, Range range, const char*) override {
-    if (scalar(key, value, "a whole number")) check(key, value, range);
+  void field(const char* key, int& value, Range range, const char* help) override {
+    if (const YAML::Node node = find(key)) number(node, key, value, "a whole number", range, help);
   }
-  void field(const char* key, double& value, Range range, const char*) override {
-    if (scalar(key, value, "a number")) check(key, value, range);
+  void field(const char* key, double& value, Range range, const char* help) override {
+    if (const YAML::Node node = find(key)) number(node, key, value, "a number", range, help);
   }
-  void field(const char* key, std::string& value, const char*) override { scalar(key, value, "a text"); }
+  void field(const char* key, std::string& value, const char*) override {
+    std::string read = value;
+    if (!scalar(key, read, "a text")) return;
+    if (read.starts_with("~/") || read.starts_with('$'))
+      fail(key, fmt::format("'{}' stays as it is, as no shell expands it: write the whole path", read));
+    value = read;
+  }
   void choice(const char* key, std::string& value, const std::vector<std::string>& choices, const char*) override {
     if (scalar(key, value, "a text") && std::find(choices.begin(), choices.end(), value) == choices.end()) {
       fail(key, fmt::format("'{}' is not one of {}", value, fmt::join(choices, ", ")));
     }
   }
-  void field(const char* key, std::vector<double>& value, Range range, const char*, bool any_length) override {
-    std::vector<double> read;
-    if (!scalar(key, read, fmt::format("a list of {} numbers", value.size()).c_str())) return;
-    if (!any_length && read.size() != value.size())
-      fail(key, fmt::format("expected {} numbers, got {}", value.size(), read.size()));
-    for (const double x : read) check(key, x, range);
+  void field(const char* key, std::vector<double>& value, Range range, const char* help, bool any_length) override {
+    const YAML::Node list = find(key);
+    if (!list) return;
+    const std::string wanted = any_length ? "numbers" : fmt::format("{} numbers", value.size());
+    if (!list.IsSequence())
+      fail(key, fmt::format("expected a list of {}{} ({})", wanted, what_stands_there(list), help));
+    if (!any_length && list.size() != value.size()) {
+      fail(key, fmt::format("expected {}, got {}{} ({})", wanted, list.size(),
+                            list.size() > value.size() ? "; decimals take a point, not a comma" : "", help));
+    }
+    std::vector<double> read(list.size());
+    for (std::size_t i = 0; i < read.size(); ++i) number(list[i], key, read[i], "a number", range, help);
     value = read;
   }
 
@@ -81,16 +106,23 @@ class Loader final : public ConfigVisitor {
   };
 
   void enter(const YAML::Node& node, std::string path) {
-    if (!node.IsMap() && !node.IsNull())
-      fail_at(node, path.substr(0, path.size() - 1), "expected a map of keys and values");
+    if (!node.IsMap() && !node.IsNull()) {
+      const bool has_colon = node.IsScalar() && node.Scalar().find(':') != std::string::npos;
+      fail_at(node, path.substr(0, path.size() - 1),
+              fmt::format("expected a map of keys and values{}{}", what_stands_there(node),
+                          has_colon ? ": a colon needs a space behind it" : ""));
+    }
     levels_.push_back({node, std::move(path), {}});
+  }
+  /// The value of the key, which is undefined where the file does not have it.
+  YAML::Node find(const char* key) {
+    Level& level = levels_.back();
+    level.known.emplace_back(key);
+    return level.node.IsMap() ? level.node[key] : YAML::Node(YAML::NodeType::Undefined);
   }
   template <class T>
   bool scalar(const char* key, T& value, const char* expected) {
-    Level& level = levels_.back();
-    level.known.emplace_back(key);
-    if (!level.node.IsMap()) return false;
-    const YAML::Node node = level.node[key];
+    const YAML::Node node = find(key);
     if (!node) return false;
     if constexpr (std::is_same_v<T, std::string>) {
       if (node.IsNull()) {  // "key:" without a value; yaml-cpp would return "null"
@@ -101,20 +133,40 @@ class Loader final : public ConfigVisitor {
     try {
       value = node.as<T>();
     } catch (const YAML::Exception&) {
-      fail(key, fmt::format("expected {}", expected));
+      fail(key, fmt::format("expected {}{}", expected, what_stands_there(node)));
     }
     return true;
   }
-  void check(const char* key, double value, Range range) const {
+  /// `help` says the unit.
+  template <class T>
+  void number(const YAML::Node& node, const char* key, T& value, const char* expected, Range range, const char* help) {
+    const std::string text = node.IsScalar() ? node.Scalar() : "";
+    if (const auto decimal = without_leading_zeros(text); std::is_same_v<T, int> && decimal)
+      fail(key, fmt::format("'{}' may be octal: write {}", text, *decimal));
+    try {
+      value = node.as<T>();
+    } catch (const YAML::Exception&) {
+      fail(key, fmt::format("expected {}{}{} ({})", expected, what_stands_there(node), number_advice(text), help));
+    }
+    check(key, value, range, help);
+  }
+  void check(const char* key, double value, Range range, const char* help) const {
     if (!(value >= range.min && value <= range.max))
-      fail(key, fmt::format("{} is not within {} .. {}", value, range.min, range.max));
+      fail(key, fmt::format("{} is not within {} .. {} ({})", value, range.min, range.max, help));
   }
   [[noreturn]] void fail(const char* key, const std::string& what) const {
     const Level& level = levels_.back();
-    fail_at(level.node[key], level.path + key, what);
+    YAML::Node at = level.node[key];
+    if (at.IsNull()) {  // yaml-cpp has found it where the next key is
+      for (const auto& entry : level.node) {
+        if (entry.first.IsScalar() && entry.first.Scalar() == key) at.reset(entry.first);
+      }
+    }
+    fail_at(at, level.path + key, what);
   }
   [[noreturn]] void fail_at(const YAML::Node& node, const std::string& path, const std::string& what) const {
-    throw ConfigError(fmt::format("{}:{}: {}: {}", file_, node.Mark().line + 1, path, what));
+    const std::string line = file_.starts_with(kSet) ? "" : fmt::format("{}:", node.Mark().line + 1);
+    throw ConfigError(fmt::format("{}:{} {}: {}", file_, line, path, what));
   }
 
   std::string file_;
@@ -174,36 +226,6 @@ class Dumper final : public ConfigVisitor {
   int depth_ = 0;
 };
 
-/// Whether a struct has a section of this name at its top level.
-class SectionFinder final : public ConfigVisitor {
- public:
-  explicit SectionFinder(std::string name) : name_(std::move(name)) {}
-  void field(const char*, bool&, const char*) override {}
-  void field(const char*, int&, Range, const char*) override {}
-  void field(const char*, double&, Range, const char*) override {}
-  void field(const char*, std::string&, const char*) override {}
-  void choice(const char*, std::string&, const std::vector<std::string>&, const char*) override {}
-  void field(const char*, std::vector<double>&, Range, const char*, bool) override {}
-  [[nodiscard]] bool found() const { return found_; }
-
- protected:
-  bool begin_section(const char* key, const char*) override {
-    found_ = found_ || key == name_;
-    return false;
-  }
-  void end_section() override {}
-
- private:
-  std::string name_;
-  bool found_ = false;
-};
-
-bool has_section(AnyConfig& config, const std::string& name) {
-  SectionFinder finder(name);
-  config.visit(finder);
-  return finder.found();
-}
-
 /// Loads a node whose root map holds exactly the struct's keys.
 void load_node(const YAML::Node& node, const std::string& file, const std::string& path, AnyConfig& config) {
   Loader loader(node, file, path, config);
@@ -221,18 +243,24 @@ bool is_indented_by_tab(std::string_view text, int line) {
   return text.substr(0, text.find_first_not_of(" \t")).find('\t') != std::string_view::npos;
 }
 
+std::string syntax_advice(std::string_view text, const YAML::ParserException& error) {
+  if (is_indented_by_tab(text, error.mark.line)) return ": indent by spaces, not by a tab";
+  if (error.msg != YAML::ErrorMsg::MAP_VALUE) return "";
+  return ": is it indented as the lines around it, and has the line before its colon?";
+}
+
 }  // namespace
 
 void parse_config(std::string_view text, const std::string& name, const std::string& section, SectionNames sections,
                   AnyConfig& config) {
+  refuse_odd_text(text, name);
   YAML::Node root;
   try {
     root = YAML::Load(std::string(text));
     refuse_second_document(std::string(text), name);
     refuse_duplicate_keys(std::string(text), name);
   } catch (const YAML::ParserException& error) {
-    throw ConfigError(fmt::format("{}:{}: {}{}", name, error.mark.line + 1, error.msg,
-                                  is_indented_by_tab(text, error.mark.line) ? ": indent by spaces, not by a tab" : ""));
+    throw ConfigError(fmt::format("{}:{}: {}{}", name, error.mark.line + 1, error.msg, syntax_advice(text, error)));
   }
   if (root.IsNull()) return;
   if (!root.IsMap()) throw ConfigError(fmt::format("{}:1: expected a map with a section for each process", name));
@@ -260,11 +288,13 @@ void parse_config(std::string_view text, const std::string& name, const std::str
 }
 
 void load_config(const std::string& file, const std::string& section, SectionNames sections, AnyConfig& config) {
+  errno = 0;
   std::ifstream in(file);
   std::stringstream text;
   if (in && in.peek() == std::ifstream::traits_type::eof() && !in.bad())
     throw ConfigError(fmt::format("{}: is empty", file));
-  if (!in || !(text << in.rdbuf())) throw ConfigError(fmt::format("{}: cannot be read", file));
+  if (!in || !(text << in.rdbuf()))
+    throw ConfigError(fmt::format("{}: cannot be read: {}", file, std::generic_category().message(errno)));
   parse_config(text.str(), file, section, sections, config);
 }
 
@@ -273,16 +303,14 @@ void set_config_value(std::string_view assignment, AnyConfig& config) {
   if (equals == std::string_view::npos || equals == 0) {
     throw ConfigError(fmt::format("--set {}: expected KEY=VALUE", assignment));
   }
-  std::string yaml;  // a.b=1 becomes {a: {b: 1}}
+  std::string yaml;  // a.b=1,2 becomes "a:\n b: 1,2": in "{a: {b: 1,2}}", 2 would be a key
   std::string key(assignment.substr(0, equals));
-  std::string closing;
-  for (std::size_t dot; (dot = key.find('.')) != std::string::npos; key.erase(0, dot + 1)) {
-    yaml += "{" + key.substr(0, dot) + ": ";
-    closing += "}";
-  }
-  yaml += "{" + key + ": " + std::string(assignment.substr(equals + 1)) + "}" + closing;
+  std::string margin;
+  for (std::size_t dot; (dot = key.find('.')) != std::string::npos; key.erase(0, dot + 1), margin += ' ')
+    yaml += margin + key.substr(0, dot) + ":\n";
+  yaml += margin + key + ": " + std::string(assignment.substr(equals + 1)) + "\n";
   try {
-    load_node(YAML::Load(yaml), "--set " + std::string(assignment), "", config);
+    load_node(YAML::Load(yaml), std::string(kSet) + std::string(assignment), "", config);
   } catch (const YAML::ParserException& error) {
     throw ConfigError(fmt::format("--set {}: {}", assignment, error.msg));
   }

@@ -57,7 +57,37 @@ class PlacesOfKey final : public ConfigVisitor {
   std::vector<std::string> found_;
 };
 
+/// Whether a struct has a section of this name at its top level.
+class SectionFinder final : public ConfigVisitor {
+ public:
+  explicit SectionFinder(std::string name) : name_(std::move(name)) {}
+  void field(const char*, bool&, const char*) override {}
+  void field(const char*, int&, Range, const char*) override {}
+  void field(const char*, double&, Range, const char*) override {}
+  void field(const char*, std::string&, const char*) override {}
+  void choice(const char*, std::string&, const std::vector<std::string>&, const char*) override {}
+  void field(const char*, std::vector<double>&, Range, const char*, bool) override {}
+  [[nodiscard]] bool found() const { return found_; }
+
+ protected:
+  bool begin_section(const char* key, const char*) override {
+    found_ = found_ || key == name_;
+    return false;
+  }
+  void end_section() override {}
+
+ private:
+  std::string name_;
+  bool found_ = false;
+};
+
 }  // namespace
+
+bool has_section(AnyConfig& config, const std::string& name) {
+  SectionFinder finder(name);
+  config.visit(finder);
+  return finder.found();
+}
 
 std::string unknown_key(const std::string& key, const std::vector<std::string>& known, const std::string& root,
                         AnyConfig& config) {

@@ -15,4 +15,7 @@ namespace curbstone {
 /// The same for a single map.
 [[nodiscard]] std::string unknown_key(const std::string& key, const std::vector<std::string>& known);
 
+/// Whether a struct has a section of this name at its top level.
+[[nodiscard]] bool has_section(AnyConfig& config, const std::string& name);
+
 }  // namespace curbstone

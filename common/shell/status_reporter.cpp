@@ -36,8 +36,9 @@ std::string host_name() {
   return name;
 }
 
-StatusReporter::StatusReporter(std::string service, std::string config_hash, Clocks clocks)
-    : clocks_(std::move(clocks)), start_(clocks_.steady()) {
+StatusReporter::StatusReporter(std::string service, std::string config_hash, Clocks clocks, Print print)
+    : clocks_(std::move(clocks)), print_(std::move(print)), start_(clocks_.steady()) {
+  if (!print_) print_ = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
   status_.service = std::move(service);
   status_.host = host_name();
   status_.pid = getpid();
@@ -80,7 +81,7 @@ void StatusReporter::publish(Publisher& bus, const Counters& bus_counters, const
   bus.publish("SERVICE_STATUS", status_);
   reported_ = kinds_of(report.faults);
   for (const std::string& line : fault_lines_.update(status_.fault, clocks_.steady()))
-    fmt::print(stderr, "{}: {}\n", status_.service, line);
+    print_(fmt::format("{}: {}", status_.service, line));
 }
 
 }  // namespace curbstone

@@ -24,12 +24,13 @@ struct Clocks {
 };
 
 /// Sends SERVICE_STATUS for a process: its node's report, the process facts, whether the host's clock was set, and
-/// whether another process has the same name. The beginning and end of persistent faults also go to stderr. Call it
+/// whether another process has the same name. The beginning and end of persistent faults are also printed. Call it
 /// from the loop that does the work, so that a status proves that the loop runs.
 class StatusReporter {
  public:
-  /// `service`: unique on the bus.
-  StatusReporter(std::string service, std::string config_hash, Clocks clocks = {});
+  using Print = std::function<void(const std::string& line)>;
+  /// `service`: unique on the bus. `print`: empty: to stderr.
+  StatusReporter(std::string service, std::string config_hash, Clocks clocks = {}, Print print = {});
 
   /// Whether the node's faults differ from those sent last, apart from numbers. Such a change is sent at once, so that
   /// a process that waits for a service need not wait for the next second.
@@ -40,6 +41,7 @@ class StatusReporter {
 
  private:
   Clocks clocks_;
+  Print print_;
   service_status_t status_{};
   std::vector<std::string> reported_;  // the node's faults, without their numbers
   FaultLines fault_lines_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <map>
 
 #include "procman/config/config.hpp"
 #include "procman/config/config_lexer.hpp"
@@ -92,6 +93,15 @@ class Parser {
     return value;
   }
 
+  /// Other words, such as "on", mean no in procman; whoever writes them means yes.
+  bool yes_or_no(const std::string& name) {
+    const Token token = expect(TokenKind::kString, name + " in quotes");
+    const std::string word = lower(token.text);
+    if (word == "true" || word == "yes") return true;
+    if (word != "false" && word != "no") unexpected(token, fmt::format("{} \"true\" or \"false\"", name));
+    return false;
+  }
+
   void refuse_slash(const Token& token, const std::string& what) {
     if (token.text.find('/') != std::string::npos) lexer_.fail(token, what + " cannot contain '/'");
   }
@@ -125,15 +135,18 @@ class Parser {
       command.id = lexer_.take().text;
     }
     expect('{');
-    bool has_exec = false;
+    std::map<std::string, int> lines;  // of the attributes so far
     while (!next_is('}')) {
       const Token name = expect(TokenKind::kName, "an attribute or '}'");
+      const auto [first, is_new] = lines.emplace(name.text == "host" ? "deputy" : name.text, name.line);
+      if (!is_new)
+        lexer_.fail(name,
+                    fmt::format("cmd \"{}\": {} stands in line {} already", command.id, first->first, first->second));
       expect('=');
       attribute(name, command);
-      has_exec = has_exec || name.text == "exec";
       expect(';');
     }
-    if (!has_exec) lexer_.fail(lexer_.peek(), fmt::format("cmd \"{}\" has no exec", command.id));
+    if (!lines.contains("exec")) lexer_.fail(lexer_.peek(), fmt::format("cmd \"{}\" has no exec", command.id));
     expect('}');
     if (!enclosing_group.empty()) command.group = enclosing_group;
     config_.commands.push_back(std::move(command));
@@ -148,8 +161,7 @@ class Parser {
     } else if (name.text == "group") {
       command.group = text();
     } else if (name.text == "auto_respawn") {
-      const std::string value = lower(text());
-      command.auto_respawn = value == "true" || value == "yes";
+      command.auto_respawn = yes_or_no("auto_respawn");
     } else if (name.text == "stop_signal") {
       command.stop_signal = static_cast<int>(integer("stop_signal", 1, kMaxSignal));
     } else if (name.text == "stop_time_allowed") {

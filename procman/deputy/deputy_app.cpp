@@ -62,6 +62,8 @@ process::FileDescriptor take_signals(std::initializer_list<int> numbers) {
 
 DeputyApp::DeputyApp(DeputyAppOptions options)
     : options_(std::move(options)),
+      console_(STDOUT_FILENO),
+      errors_(STDERR_FILENO),
       keeper_(options_.log_dir, options_.keep),
       supervisor_(
           loop_, {.output =
@@ -75,7 +77,6 @@ DeputyApp::DeputyApp(DeputyAppOptions options)
   prepare_environment();
   OwnConfig own = read_own_config(options_);
   config_ = std::move(own.config);
-  for (const std::string& warning : own.warnings) log_line(warning);
   for (const config::Command& command : config_.commands) supervisor_.set(command);
   bus_ = std::make_unique<LcmBus>(options_.lcm_url);
   deputy_ =
@@ -85,7 +86,8 @@ DeputyApp::DeputyApp(DeputyAppOptions options)
                                supervisor_, *bus_);
   deputy_->on_sheriff_arrived = [this] { resend_last_lines(); };
   deputy_->connect(*bus_);
-  reporter_.emplace("deputy:" + options_.id, "");
+  for (const std::string& warning : own.warnings) log_line(warning);  // to sheriffs, too: deputy_ is there now
+  reporter_.emplace("deputy:" + options_.id, "", Clocks{}, [this](const std::string& line) { errors_.print(line); });
   bus_->subscribe<service_status_t>("SERVICE_STATUS", [this](const service_status_t& status) { on_status(status); });
 }
 
@@ -199,6 +201,8 @@ void DeputyApp::publish_status(std::int64_t now) {
   report.counters.set("commands.starts", starts);
   set_level(report.counters, "commands.running", running);
   report.counters.set("output.unwritten", keeper_.write_failures());
+  if (const auto dropped = console_.dropped() + errors_.dropped(); dropped > 0)
+    report.counters.set("output.unprinted", dropped);
   report.faults = alarms_.faults(supervisor_.commands(), now);
   if (heartbeats_.is_bus_silent(now))
     report.faults.emplace_back("the bus carries nothing: curbstone doctor finds the reason");
@@ -295,22 +299,18 @@ void DeputyApp::on_ended(const process::CommandState& state, std::int64_t lived)
 }
 
 void DeputyApp::log_line(const std::string& text) {
-  fmt::print("deputy: {}\n", text);
-  std::fflush(stdout);
+  console_.print("deputy: " + text);
   deputy_->output("", text + "\n");
 }
 
-void DeputyApp::print_line(const std::string& id, std::string_view line) const {
-  if (options_.quiet) return;
-  fmt::print("{}\n", named_line(id, line));
-  std::fflush(stdout);
+void DeputyApp::print_line(const std::string& id, std::string_view line) {
+  if (!options_.quiet) console_.print(named_line(id, line));
 }
 
 /// For a command that failed while its output was not printed.
 void DeputyApp::show_last_lines(const std::string& id) {
   if (!options_.quiet) return;
-  for (const std::string& line : keeper_.last_lines(id, kLinesShown)) fmt::print("  {}\n", named_line(id, line));
-  std::fflush(stdout);
+  for (const std::string& line : keeper_.last_lines(id, kLinesShown)) console_.print("  " + named_line(id, line));
 }
 
 /// Resends the last output for a sheriff that arrives late.

@@ -19,13 +19,15 @@
 #include "procman/deputy/heartbeats.hpp"
 #include "procman/deputy/script_runner.hpp"
 #include "procman/deputy/start_sequence.hpp"
+#include "procman/output/console.hpp"
 #include "procman/output/output_keeper.hpp"
 #include "procman/process/stop_sequence.hpp"
 #include "procman/process/supervisor.hpp"
 
 namespace curbstone::procman::deputy {
 
-/// The process `curbstone-deputy`: a deputy on the bus that also runs its own config without a sheriff. One thread.
+/// The process `curbstone-deputy`: a deputy on the bus that also runs its own config without a sheriff. One thread,
+/// and those that print: nothing that the vehicle needs waits for who reads the output.
 class DeputyApp {
  public:
   /// Throws UsageError, or std::runtime_error if the environment fails.
@@ -48,11 +50,13 @@ class DeputyApp {
   void on_started(const process::CommandState& state);
   void on_ended(const process::CommandState& state, std::int64_t lived);
   void log_line(const std::string& text);
-  void print_line(const std::string& id, std::string_view line) const;
+  void print_line(const std::string& id, std::string_view line);
   void show_last_lines(const std::string& id);
   void resend_last_lines();
 
   DeputyAppOptions options_;
+  output::Console console_;
+  output::Console errors_;
   config::Config config_;  // commands of this deputy only
   EventLoop loop_;
   output::OutputKeeper keeper_;

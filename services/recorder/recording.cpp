@@ -5,11 +5,16 @@
 
 #include <filesystem>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 namespace curbstone::recorder {
 
 std::string unused_name(const std::string& file) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored))
+    throw std::runtime_error(
+        fmt::format("recorder.file: {} is a folder: name a file in it, or set recorder.folder to it", file));
   std::string name = file;
   for (int n = 1; std::filesystem::exists(name); ++n) name = fmt::format("{}.{}", file, n);
   return name;

@@ -55,6 +55,7 @@ checks::Verdicts examine(const std::string& url, const std::string& config, cons
   }
   wire.join();
   if (wishes.facts.lidar) wishes.facts.lidar->messages = messages_on(bus.probe, "LIDAR_POINTS");
+  wishes.facts.stale = facts::stale_services(wishes, config, bus.probe.config_hashes);
   wishes.facts.disk = facts::read_disk(wishes.recorder_folder);
   if (wishes.facts.disk) {
     const double rate = static_cast<double>(bus.probe.bytes) / seconds;

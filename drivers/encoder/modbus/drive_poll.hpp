@@ -56,6 +56,9 @@ class DrivePoll {
   /// The port has vanished, or nothing useful was received for so long that it should be reopened.
   [[nodiscard]] bool must_reopen() const { return gone_ || failures_ >= kMaxFailures; }
 
+  /// The port has vanished, or the other end has closed the connection.
+  [[nodiscard]] bool is_gone() const { return gone_; }
+
   /// Fault of the communication in words; empty if there is none.
   [[nodiscard]] const std::string& fault() const { return fault_; }
   [[nodiscard]] const RefusalShare& share() const { return share_; }

@@ -66,18 +66,35 @@ void ModbusLink::attach(EventLoop& loop, Handlers handlers) {
 }
 
 void ModbusLink::run(const std::stop_token& stop) {
+  std::int64_t pause = kFirstRetry;
   while (!stop.stop_requested()) {
     if (!open(stop)) return;
+    bool has_read = false;
     std::int64_t due = steady_clock();
     while (!stop.stop_requested() && !poll_.must_reopen()) {
       poll_.tick(steady_clock());
-      poll_.poll([this](const Reading& reading) { post({reading, true, {}}); });
+      poll_.poll([&](const Reading& reading) {
+        has_read = true;
+        post({reading, true, {}});
+      });
       share_report();
       due = std::max(due + period_, steady_clock() + kGap);  // after a delay no burst of polls
       if (!sleep_until(due, stop)) break;
     }
     client_.close();
-    if (!stop.stop_requested()) post({{}, false, fmt::format("Modbus {}: lost; opening it anew", client_.name())});
+    if (stop.stop_requested()) return;
+    if (has_read || !poll_.is_gone() || !settings_.tcp) {
+      pause = kFirstRetry;
+      post({{}, false, fmt::format("Modbus {}: lost; opening it anew", client_.name())});
+      continue;
+    }
+    post({{},
+          false,
+          fmt::format("Modbus {}: closed by the other end before it gave positions: has another program its "
+                      "only connection, or does it close each after one reply?",
+                      client_.name())});
+    if (!sleep_until(steady_clock() + pause, stop)) return;
+    pause = std::min(2 * pause, kLastRetry);
   }
 }
 

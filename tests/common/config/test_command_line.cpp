@@ -1,7 +1,9 @@
 #include "common/config/command_line.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <limits>
 
@@ -174,6 +176,22 @@ TEST(CommandLine, IsCalledAsTheProgramWasUnlessItIsNamed) {
   const Reading help = read_words(line, {"-h"});
   EXPECT_THAT(help.out, HasSubstr("Usage: program [OPTIONS]"));
   EXPECT_THAT(help.out, Not(HasSubstr("--version")));
+}
+
+/// `nohup program >&-`: what is printed must not go into the next file that is opened.
+TEST(CommandLine, NoFileTakesTheNumberOfAClosedStream) {
+  std::fflush(stdout);
+  const int saved = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 10);
+  close(STDOUT_FILENO);
+  const char* word = "program";
+  CommandLine line("Does something");
+  const auto status = line.read(1, &word);
+  const int file = open("/proc/self/status", O_RDONLY | O_CLOEXEC);
+  dup2(saved, STDOUT_FILENO);
+  close(saved);
+  EXPECT_EQ(status, std::nullopt);
+  EXPECT_GT(file, STDERR_FILENO);
+  close(file);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 TEST(ProcmanConfig, ReadsEveryAttributeAndItsDefaults) {
   const Config config = parse_config(R"(
     cmd "a" { exec = "prog --x \"y z\"\n\\"; deputy = "robot"; auto_respawn = "Yes"; stop_signal = 15; stop_time_allowed = 20; }
-    cmd "b" { exec = "b"; host = "other"; auto_respawn = "on"; group = "old/style"; }
+    cmd "b" { exec = "b"; host = "other"; auto_respawn = "no"; group = "old/style"; }
   )",
                                      "x.cfg");
   ASSERT_EQ(config.commands.size(), 2U);
@@ -142,6 +142,11 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"group \"\" { }", 1, 7, "cannot be blank"}, Bad{"group g { }", 1, 7, "the group's name in quotes, not 'g'"},
         Bad{"group \"g\" { script \"s\" { } }", 1, 13, "expected 'cmd', 'group' or '}', not 'script'"},
         Bad{"cmd \"a\" { exec = \"x\"; auto_respawn = true; }", 1, 38, "auto_respawn in quotes, not 'true'"},
+        Bad{"cmd \"a\" { exec = \"x\"; auto_respawn = \"on\"; }", 1, 38,
+            "expected auto_respawn \"true\" or \"false\", not the string \"on\""},
+        Bad{"cmd \"a\" { exec = \"x\"; auto_respawn = \"\"; }", 1, 38, "expected auto_respawn \"true\" or \"false\""},
+        Bad{"cmd \"a\" { exec = \"x\";\n  exec = \"y\"; }", 2, 3, "cmd \"a\": exec stands in line 1 already"},
+        Bad{"cmd \"a\" { exec = \"x\"; host = \"h\";\n  deputy = \"d\"; }", 2, 3, "deputy stands in line 1 already"},
         Bad{"cmd \"a\" { exec = \"x\"; stop_signal = \"2\"; }", 1, 37, "expected stop_signal, not the string \"2\""},
         Bad{"cmd \"a\" { exec = \"x\"; stop_signal = 0; }", 1, 37, "stop_signal must be from 1 to 64"},
         Bad{"cmd \"a\" { exec = \"x\"; stop_signal = 65; }", 1, 37, "from 1 to 64"},

@@ -95,6 +95,19 @@ TEST_F(RecorderTest, NeverOverwritesALog) {
   EXPECT_EQ(heard(".1"), (std::vector<int>{3, 4}));
 }
 
+/// `file: /data` would be written to /data.1, on the disk of the system.
+TEST_F(RecorderTest, AFolderIsNoFile) {
+  config_.file = (folder_ / ".").string();
+  try {
+    RecorderNode node(config_, bus_, kStart);
+    FAIL() << "it records";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "recorder.file: " + config_.file + " is a folder: name a file in it, or set recorder.folder to it");
+  }
+  EXPECT_FALSE(std::filesystem::exists(config_.file + ".1"));
+}
+
 TEST_F(RecorderTest, GoesOnInTheNextFileWhenOneIsFull) {
   const std::int64_t record = 28 + 3 + imu_t{}.getEncodedSize();
   Recording recording([this] { return unused_name(config_.file); }, 2 * record);

@@ -30,6 +30,14 @@ TEST(VehicleChecks, AFileThatDoesNotParseIsNamedWithItsError) {
   EXPECT_EQ(only(facts).kind, Kind::kGood);
 }
 
+TEST(VehicleChecks, AServiceWithOtherSettingsThanTheFilesIsRestarted) {
+  VehicleFacts facts = of_user();
+  facts.stale = {{"mapper", "ugv.yaml"}};
+  EXPECT_EQ(only(facts).kind, Kind::kFinding);
+  EXPECT_EQ(only(facts).what, "mapper runs with other settings than ugv.yaml and the procman file have now");
+  EXPECT_THAT(only(facts).fix, HasSubstr("curbstone-sheriff restart mapper"));
+}
+
 TEST(VehicleChecks, OnlyMissingProgramsAreNamed) {
   VehicleFacts facts = of_user();
   facts.programs = {{"imu", "curbstone-imu", true}};
@@ -40,12 +48,23 @@ TEST(VehicleChecks, OnlyMissingProgramsAreNamed) {
 
 TEST(VehicleChecks, AFolderIsThereAndWritable) {
   VehicleFacts facts = of_user();
-  facts.folders = {{"recorder.file", "/data", true, true}};
+  facts.folders = {{"recorder.file", "/data", true, true, false}};
   EXPECT_EQ(only(facts).kind, Kind::kGood);
   facts.folders[0].is_writable = false;
   EXPECT_EQ(only(facts).fix, "chown curbstone /data");
   facts.folders[0].is_there = false;
   EXPECT_EQ(only(facts).fix, "install -d -o curbstone /data");
+}
+
+/// `chown` would not help: ProtectSystem=strict and ProtectHome=true of the unit.
+TEST(VehicleChecks, AFolderThatSystemdKeepsFromTheUnitIsOpenedByADropIn) {
+  VehicleFacts facts = of_user();
+  facts.folders = {{"recorder.folder", "/data", true, false, true}};
+  EXPECT_EQ(only(facts).what, "recorder.folder: /data is on a read-only file system");
+  EXPECT_THAT(only(facts).fix, HasSubstr("systemctl edit curbstone-deputy: [Service] ReadWritePaths=/data"));
+  facts.folders = {{"semantic_map.map", "/home/ugv/maps", false, false, false}};
+  EXPECT_THAT(only(facts).what, HasSubstr("is not there, or hidden from a unit of systemd"));
+  EXPECT_THAT(only(facts).fix, HasSubstr("ProtectHome=no"));
 }
 
 TEST(VehicleChecks, ADeviceIsThereAndMayBeOpened) {

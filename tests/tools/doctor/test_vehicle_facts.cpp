@@ -1,11 +1,16 @@
 #include "tools/doctor/facts/vehicle_facts.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <sched.h>
+#include <sys/mount.h>
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 
+#include "config/sections.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace curbstone::doctor::facts {
@@ -52,6 +57,64 @@ TEST_F(VehicleFacts, AWrongKeyOnACommandLineIsAFinding) {
   const auto wishes =
       read("imu: {baud: 115200}", R"(cmd "imu" { exec = "curbstone-imu --set devise=/dev/imu"; deputy = "d"; })");
   EXPECT_THAT(wishes.facts.configs, Contains(::testing::Field(&checks::ConfigFacts::error, HasSubstr("devise"))));
+}
+
+TEST_F(VehicleFacts, AServiceThatRunsWithAnOlderFileIsNamed) {
+  const std::string commands =
+      R"(cmd "ekf" { exec = "curbstone-ekf --config $CURBSTONE_CONFIG --set fuse_map=true"; deputy = "d"; })";
+  const auto before = read("vehicle: {track_width: 0.8}", commands).config_hashes;
+  ASSERT_TRUE(before.contains("ekf"));
+  const auto now = read("vehicle: {track_width: 0.9}", commands);
+  EXPECT_THAT(stale_services(read("vehicle: {track_width: 0.8}", commands), "ugv.yaml", before), ::testing::IsEmpty());
+  const auto stale = stale_services(now, "ugv.yaml", before);
+  ASSERT_EQ(stale.size(), 1U);
+  EXPECT_EQ(stale[0].service, "ekf");
+  EXPECT_THAT(stale_services(now, "ugv.yaml", {{"ekf", now.config_hashes.at("ekf")}, {"gnss", "x"}}),
+              ::testing::IsEmpty());
+}
+
+TEST_F(VehicleFacts, NothingIsSaidOfServicesWhoseSettingsTheFilesDoNotTell) {
+  const auto wishes = read("vehicle: {track_width: 0.8}", R"(
+    cmd "ekf" { exec = "curbstone-ekf --config /other.yaml"; deputy = "d"; }
+    cmd "imu" { exec = "sh -c 'exec curbstone-imu $OPTIONS'"; deputy = "d"; }
+    cmd "lidar" { exec = "curbstone-lidar"; deputy = "d"; }
+    cmd "lidar:2" { exec = "curbstone-lidar --name lidar:2"; deputy = "d"; })");
+  EXPECT_THAT(wishes.config_hashes, ::testing::IsEmpty());
+}
+
+/// Each section that a program of the vehicle reads; `simulate` is no part of it.
+TEST_F(VehicleFacts, AWrongKeyOfAnySectionIsAFinding) {
+  for (const std::string_view section : kProcessSections) {
+    if (section == "simulate") continue;
+    const auto wishes = read(fmt::format("{}:\n  no_such_key: 1\n", section), "");
+    const auto is_said = Contains(::testing::Field(&checks::ConfigFacts::error, HasSubstr("ugv.yaml:2: ")));
+    EXPECT_THAT(wishes.facts.configs, is_said) << section;
+  }
+}
+
+checks::FolderFacts recorder_folder(const VehicleWishes& wishes) {
+  const auto& folders = wishes.facts.folders;
+  const auto it = std::ranges::find(folders, "recorder.folder", &checks::FolderFacts::setting);
+  return it == folders.end() ? checks::FolderFacts{} : *it;
+}
+
+TEST_F(VehicleFacts, AReadOnlyFileSystemIsToldFromTheFolderOfAnotherUser) {
+  const std::string here = folder_ / ".";
+  EXPECT_FALSE(recorder_folder(read("recorder: {folder: " + here + "}", "")).is_read_only);
+  const std::filesystem::path mounted = folder_ / "disk";
+  std::filesystem::create_directory(mounted);
+  if (unshare(CLONE_NEWNS) != 0 || mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0 ||
+      mount("tmpfs", mounted.c_str(), "tmpfs", MS_RDONLY, nullptr) != 0)
+    GTEST_SKIP() << "this user may not mount";
+  const checks::FolderFacts disk = recorder_folder(read("recorder: {folder: " + mounted.string() + "}", ""));
+  EXPECT_TRUE(disk.is_there);
+  EXPECT_TRUE(disk.is_read_only);
+  umount(mounted.c_str());
+}
+
+TEST_F(VehicleFacts, AFolderThatCannotBeLookedAtIsNotThere) {
+  std::filesystem::create_symlink("loop", folder_ / "loop");
+  EXPECT_FALSE(recorder_folder(read("recorder: {folder: " + (folder_ / "loop").string() + "}", "")).is_there);
 }
 
 }  // namespace

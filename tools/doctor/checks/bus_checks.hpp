@@ -27,6 +27,7 @@ struct BusProbeFacts {
   double seconds = 0;                                ///< of listening
   std::int64_t bytes = 0;                            ///< received on the bus that a recorder would write
   std::map<std::string, std::int64_t> messages;      ///< received, by channel
+  std::map<std::string, std::string> config_hashes;  ///< of the services that run on this host, by name
 };
 
 struct BusFacts {

@@ -15,12 +15,38 @@ Verdict check_config(const ConfigFacts& config) {
   return finding("config", config.error, fmt::format("edit {}; --config and --procman name other files", config.file));
 }
 
+Verdict check_running(const StaleService& running) {
+  return finding(
+      "config",
+      fmt::format("{} runs with other settings than {} and the procman file have now", running.service, running.file),
+      fmt::format("curbstone-sheriff restart {}; after changes of the procman file: systemctl restart "
+                  "curbstone-deputy",
+                  running.service));
+}
+
 Verdict check_program(const ProgramFacts& program) {
   return finding("program", fmt::format("{}: there is no program {}", program.command, program.program),
                  "install it, or correct exec in the procman file");
 }
 
+/// systemd hides the homes from the unit, and lets it write only into the folders that the unit names.
+bool is_in_a_home(const std::string& folder) {
+  return folder.starts_with("/home/") || folder == "/root" || folder.starts_with("/root/");
+}
+
 Verdict check_folder(const FolderFacts& folder, const std::string& user) {
+  if (!folder.is_there && is_in_a_home(folder.folder)) {
+    return finding("folder",
+                   fmt::format("{}: {} is not there, or hidden from a unit of systemd", folder.setting, folder.folder),
+                   "choose a folder outside of the homes; else systemctl edit curbstone-deputy: [Service] "
+                   "ProtectHome=no");
+  }
+  if (folder.is_there && folder.is_read_only) {
+    return finding("folder", fmt::format("{}: {} is on a read-only file system", folder.setting, folder.folder),
+                   fmt::format("for the unit: systemctl edit curbstone-deputy: [Service] ReadWritePaths={}; else "
+                               "mount -o remount,rw",
+                               folder.folder));
+  }
   if (!folder.is_there) {
     return finding("folder", fmt::format("{}: {} is not there", folder.setting, folder.folder),
                    fmt::format("install -d -o {} {}", user, folder.folder));
@@ -110,6 +136,7 @@ Verdict check_disk(const DiskFacts& disk) {
 Verdicts check_vehicle(const VehicleFacts& facts) {
   Verdicts verdicts;
   for (const ConfigFacts& config : facts.configs) verdicts.push_back(check_config(config));
+  for (const StaleService& running : facts.stale) verdicts.push_back(check_running(running));
   for (const ProgramFacts& program : facts.programs) {
     if (!program.is_there) verdicts.push_back(check_program(program));
   }

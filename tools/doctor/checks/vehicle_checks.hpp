@@ -16,6 +16,12 @@ struct ConfigFacts {
   std::string error;  ///< one line, why it cannot be used; empty: it is valid
 };
 
+/// A service that runs with other settings than the files have now.
+struct StaleService {
+  std::string service;
+  std::string file;  ///< the vehicle's
+};
+
 /// A program that the procman file starts.
 struct ProgramFacts {
   std::string command;  ///< its id
@@ -28,7 +34,8 @@ struct FolderFacts {
   std::string setting;  ///< "recorder.file"
   std::string folder;
   bool is_there = false;
-  bool is_writable = false;  ///< by the current user
+  bool is_writable = false;   ///< by the current user
+  bool is_read_only = false;  ///< its file system, for this process
 };
 
 /// A serial port.
@@ -71,6 +78,7 @@ struct DiskFacts {
 struct VehicleFacts {
   std::string user;
   std::vector<ConfigFacts> configs;
+  std::vector<StaleService> stale;
   std::vector<ProgramFacts> programs;
   std::vector<FolderFacts> folders;
   std::vector<DeviceFacts> devices;

@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <curbstone/service_status_t.hpp>
 #include <fstream>
 #include <optional>
 #include <sstream>
@@ -19,6 +20,7 @@
 #include <string>
 #include <string_view>
 
+#include "common/shell/status_reporter.hpp"
 #include "common/time/clock.hpp"
 
 namespace curbstone::doctor::facts {
@@ -117,6 +119,18 @@ std::string channel_of(std::string_view bytes) {
   return std::string(name.substr(0, 63));
 }
 
+/// Of a SERVICE_STATUS that arrived whole, with its channel.
+void note_config(std::string_view bytes, checks::BusProbeFacts& facts) {
+  constexpr std::size_t kMaxServices = 100;
+  const std::size_t begin = bytes.find('\0', 8) + 1;
+  if (!bytes.starts_with("LC02") || begin == 0) return;
+  service_status_t status;
+  const auto size = static_cast<int>(bytes.size() - begin);
+  if (status.decode(bytes.data() + begin, 0, size) != size || status.host != host_name()) return;
+  if (!status.config_hash.empty() && facts.config_hashes.size() < kMaxServices)
+    facts.config_hashes[status.service] = status.config_hash;
+}
+
 /// The drops of all sockets that are bound to the port: proc(5), /proc/net/udp.
 std::int64_t drops_at(int port) {
   std::ifstream table("/proc/net/udp");
@@ -155,6 +169,7 @@ void listen(ProbeSocket& socket, double seconds, const std::string& unrecorded, 
       const std::string channel = channel_of(datagram->bytes);
       if (channel != unrecorded) facts.bytes += static_cast<std::int64_t>(datagram->bytes.size());
       if (facts.messages.size() < kMaxNames) ++facts.messages[channel];
+      if (channel == "SERVICE_STATUS") note_config(datagram->bytes, facts);
     }
   }
   facts.seconds = seconds;

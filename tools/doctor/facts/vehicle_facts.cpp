@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <string_view>
 
@@ -23,10 +24,13 @@
 #include "procman/config/config.hpp"
 #include "procman/config/exec_line.hpp"
 #include "services/ekf/base/ekf_config.hpp"
+#include "services/localizer/localizer_config.hpp"
 #include "services/mapper/config/mapper_config.hpp"
 #include "services/recorder/recorder_config.hpp"
+#include "services/relay/relay_config.hpp"
 #include "services/semantic_map/semantic_map_config.hpp"
 #include "services/tensor_voting/worker/tensor_voting_config.hpp"
+#include "services/viewer/viewer_config.hpp"
 #include "tools/command/program_beside.hpp"
 #include "tools/doctor/facts/program_output.hpp"
 
@@ -46,12 +50,17 @@ class SectionReader {
   template <class Config>
   Config read(const std::string& section) {
     try {
-      return config_of<Config>(section, kProcessSections, file_, assignments_);
+      ConfigOf<Config> config;
+      config.value = config_of<Config>(section, kProcessSections, file_, assignments_);
+      hashes_[section] = config_hash(section, config);
+      return config.value;
     } catch (const ConfigError& error) {
       if (std::ranges::find(errors_, error.what()) == errors_.end()) errors_.emplace_back(error.what());
     }
     return {};
   }
+  /// Of the effective settings of the sections without an error.
+  [[nodiscard]] const std::map<std::string, std::string>& hashes() const { return hashes_; }
   [[nodiscard]] std::vector<checks::ConfigFacts> result() const {
     if (errors_.empty()) return {{file_, ""}};
     std::vector<checks::ConfigFacts> facts;
@@ -63,11 +72,16 @@ class SectionReader {
   std::string file_;
   std::vector<std::string> assignments_;
   std::vector<std::string> errors_;
+  std::map<std::string, std::string> hashes_;
 };
 
 checks::FolderFacts folder_at(const std::string& setting, fs::path folder) {
   if (folder.empty()) folder = ".";
-  return {setting, folder.string(), fs::is_directory(folder), access(folder.c_str(), W_OK | X_OK) == 0};
+  std::error_code hidden;  // by the permissions of a folder above
+  struct statvfs disk {};
+  const bool is_read_only = statvfs(folder.c_str(), &disk) == 0 && (disk.f_flag & ST_RDONLY) != 0;
+  return {setting, folder.string(), fs::is_directory(folder, hidden), access(folder.c_str(), W_OK | X_OK) == 0,
+          is_read_only};
 }
 
 checks::DeviceFacts device_at(const std::string& setting, const std::string& file) {
@@ -116,17 +130,24 @@ std::vector<checks::ProgramFacts> programs_of(const procman::config::Config& con
   return programs;
 }
 
+/// "tensor_voting" for "curbstone-tensor-voting"; empty for other programs.
+std::string section_of(const std::string& word) {
+  constexpr std::string_view kPrefix = "curbstone-";
+  std::string name = fs::path(word).filename().string();
+  if (!name.starts_with(kPrefix)) return "";
+  name.erase(0, kPrefix.size());
+  std::ranges::replace(name, '-', '_');
+  return name;
+}
+
 /// The settings of a command line that override the file, as SECTION.KEY=VALUE. `words`: of the command, or of the
 /// command that its shell executes.
 std::vector<std::string> assignments_of(const std::vector<std::string>& words) {
-  constexpr std::string_view kPrefix = "curbstone-";
   std::vector<std::string> assignments;
   std::string section;
   for (std::size_t i = 0; i < words.size(); ++i) {
-    const std::string name = fs::path(words[i]).filename().string();
-    if (section.empty() && name.starts_with(kPrefix)) {
-      section = name.substr(kPrefix.size());
-      std::ranges::replace(section, '-', '_');
+    if (section.empty()) {
+      section = section_of(words[i]);
     } else if (!section.empty() && words[i] == "--set" && i + 1 < words.size()) {
       assignments.push_back(section + "." + words[++i]);
     }
@@ -146,10 +167,31 @@ std::vector<std::string> assignments_of(const procman::config::Config& config) {
   return all;
 }
 
+/// The sections of those processes whose settings are told by `vehicle_file` and by their own command alone.
+std::set<std::string> told_sections(const procman::config::Config& config, const std::string& vehicle_file) {
+  const auto look_up = [&](const std::string& variable) {  // as in the deputy's environment
+    return variable == "CURBSTONE_CONFIG" ? std::optional(vehicle_file) : procman::config::from_environment(variable);
+  };
+  std::set<std::string> told, untold;
+  for (const auto& command : config.commands) {
+    const auto words = procman::config::parse_exec_line(command.exec, look_up).argv;
+    const std::string section = words.empty() ? "" : section_of(words.front());
+    const auto file = std::ranges::find(words, "--config");
+    std::error_code ignored;
+    const bool is_told =
+        file != words.end() && file + 1 != words.end() && fs::equivalent(file[1], vehicle_file, ignored);
+    if (!told.insert(section).second || !is_told) untold.insert(section);
+  }
+  std::erase_if(told, [&](const std::string& section) { return section.empty() || untold.contains(section); });
+  return told;
+}
+
 /// Returns the settings for the processes.
-std::vector<std::string> read_procman(const std::string& file, checks::VehicleFacts& facts) {
+std::vector<std::string> read_procman(const std::string& file, const std::string& vehicle_file,
+                                      checks::VehicleFacts& facts, std::set<std::string>& told) {
   try {
     const auto config = procman::config::load_config_file(file);
+    told = told_sections(config, vehicle_file);
     facts.programs = programs_of(config);
     std::string wrong;
     for (const auto& script : config.scripts) {
@@ -192,16 +234,24 @@ VehicleWishes read_vehicle(const std::string& config_file, const std::string& pr
   VehicleWishes wishes;
   checks::VehicleFacts& facts = wishes.facts;
   facts.user = user_name();
-  SectionReader reader(config_file, read_procman(procman_file, facts));
+  std::set<std::string> told;
+  SectionReader reader(config_file, read_procman(procman_file, config_file, facts, told));
   const auto lidar = reader.read<lidar::LidarConfig>("lidar");
   const auto imu = reader.read<imu::ImuConfig>("imu");
   const auto encoder = reader.read<encoder::EncoderConfig>("encoder");
   const auto ekf = reader.read<ekf::base::EkfConfig>("ekf");
   const auto mapper = reader.read<mapper::config::MapperConfig>("mapper");
   (void)reader.read<tensor_voting::worker::TensorVotingConfig>("tensor_voting");
+  (void)reader.read<localizer::LocalizerConfig>("localizer");
+  (void)reader.read<viewer::ViewerConfig>("viewer");
+  (void)reader.read<relay::RelayConfig>("relay");
   const auto map = reader.read<semantic_map::SemanticMapConfig>("semantic_map");
   const auto recorder = reader.read<recorder::RecorderConfig>("recorder");
   std::ranges::move(reader.result(), std::inserter(facts.configs, facts.configs.begin()));
+
+  for (const auto& [section, hash] : reader.hashes()) {
+    if (told.contains(section)) wishes.config_hashes[section] = hash;
+  }
 
   const bool writes_sessions = recorder.file.empty();
   wishes.recorder_folder = writes_sessions ? recorder.folder : fs::path(recorder.file).parent_path().string();
@@ -219,6 +269,16 @@ VehicleWishes read_vehicle(const std::string& config_file, const std::string& pr
     wishes.lidar_port = lidar.msop_port != 0 ? lidar.msop_port : lidar::models::table_of(lidar.model).point_port;
   wishes.lidar_address = lidar.device_address;
   return wishes;
+}
+
+std::vector<checks::StaleService> stale_services(const VehicleWishes& wishes, const std::string& file,
+                                                 const std::map<std::string, std::string>& running) {
+  std::vector<checks::StaleService> stale;
+  for (const auto& [service, hash] : running) {
+    const auto wanted = wishes.config_hashes.find(service.substr(0, service.find(':')));
+    if (wanted != wishes.config_hashes.end() && wanted->second != hash) stale.push_back({service, file});
+  }
+  return stale;
 }
 
 std::optional<checks::DiskFacts> read_disk(const std::string& folder) {

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tools/doctor/checks/vehicle_checks.hpp"
 
@@ -14,7 +16,14 @@ struct VehicleWishes {
   std::string lidar_address;      ///< of the device; empty: any
   std::string recorder_folder;
   std::string unrecorded_channel;  ///< excluded from recordings; empty: none
+  /// Of the settings that the files give each service now, by its name on the bus. Left out are services whose settings
+  /// the files do not tell: started by a shell, or from another file.
+  std::map<std::string, std::string> config_hashes;
 };
+
+/// The services in `running`, by name, whose hash is another one than the files give them.
+[[nodiscard]] std::vector<checks::StaleService> stale_services(const VehicleWishes& wishes, const std::string& file,
+                                                               const std::map<std::string, std::string>& running);
 
 /// Reads `config_file` (YAML) and `procman_file`, and checks what they name. For an invalid section the defaults are
 /// checked.

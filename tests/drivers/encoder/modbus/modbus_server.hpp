@@ -32,6 +32,7 @@ class ModbusServer {
     kWrongSlave,  ///< serial lines only
     kException,   ///< `exception` to everything
     kShort,       ///< a register less than was asked for
+    kHangsUp,     ///< TCP only: closes the connection after each reply
   };
   static constexpr int kSlave = 1;
 
@@ -132,6 +133,7 @@ class ModbusServer {
       std::array<std::uint8_t, MODBUS_MAX_ADU_LENGTH> request{};
       const int size = modbus_receive(context_, request.data());
       if (size > 0) answer(request.data(), size);
+      if (size > 0 && tcp_ && mood == Mood::kHangsUp) hang_up();
       if (size < 0 && errno == ECONNRESET && tcp_) hang_up();
     }
     if (!tcp_) connection_ = -1;
@@ -188,6 +190,7 @@ class ModbusServer {
         std::this_thread::sleep_for(std::chrono::milliseconds(lateness));
         break;
       case Mood::kAnswers:
+      case Mood::kHangsUp:
         break;
     }
     modbus_reply(context_, request, size, map_);

@@ -272,6 +272,16 @@ TEST_F(ModbusDriver, AGatewayThatIsNotThereAtTheStartIsAFaultAndIsFoundWhenItCom
   expect_recovery();
 }
 
+TEST_F(ModbusDriver, AGatewayThatClosesEachConnectionIsNamedAndNotStormed) {
+  start(kTcp, [this](EncoderConfig&) { server_->mood = ModbusServer::Mood::kHangsUp; });
+  ASSERT_TRUE(run_until_fault("closed by the other end before it gave positions"));
+  const std::int64_t begin = steady_clock(), before = count("modbus.openings");
+  run_until([&] { return steady_clock() - begin > 1'500'000; });
+  EXPECT_LE(count("modbus.openings") - before, 8) << "one a poll would be 75";
+  server_->mood = ModbusServer::Mood::kAnswers;
+  expect_recovery();
+}
+
 TEST(ModbusLink, SettingsThatLibmodbusCannotUseAreRefusedWithTheirKey) {
   const auto why = [](const modbus::ModbusSettings& settings) -> std::string {
     try {

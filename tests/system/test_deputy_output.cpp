@@ -1,0 +1,40 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "tests/system/run_program.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace curbstone::system_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A group was renamed, and a script was not: as in many files of real robots.
+TEST(DeputyOutput, SaysWhichScriptCannotBeRunAndRunsTheRest) {
+  const test::TemporaryFolder folder;
+  write_file(folder / "test.cfg",
+             "script \"old\" { start group \"gone\"; }\n"
+             "cmd \"a\" { exec = \"echo it runs\"; deputy = \"d\"; }\n");
+  const auto result = run_program(
+      fmt::format("curbstone-deputy --start-all --exit-when a --config {}/test.cfg", folder.path().string()));
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("deputy: script \"old\" cannot be run: "));
+  EXPECT_THAT(result.out, HasSubstr("test.cfg:1: script \"old\": there is no group \"gone\""));
+  EXPECT_THAT(result.out, HasSubstr("a: it runs"));
+}
+
+/// Ctrl-S in its terminal, `| less`, a connection that stalls.
+TEST(DeputyOutput, TheVehicleDoesNotWaitForWhoReadsIt) {
+  const test::TemporaryFolder folder;
+  write_file(folder / "test.cfg",
+             "cmd \"talker\" { exec = \"sh -c 'yes | head -c 5000000; sleep 100'\"; deputy = \"d\"; }\n"
+             "cmd \"end\" { exec = \"sh -c 'sleep 3'\"; deputy = \"d\"; }\n");
+  run_program(fmt::format("sh -c '(timeout 15 curbstone-deputy --start-all --exit-when end --config {0}/test.cfg; "
+                          "echo $? >{0}/status) 2>&1 | sleep 16'",
+                          folder.path().string()),
+              40);
+  EXPECT_EQ(read_file(folder / "status"), "0\n") << "124: it was still waiting for its reader";
+}
+
+}  // namespace
+}  // namespace curbstone::system_test
