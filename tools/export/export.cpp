@@ -179,6 +179,10 @@ bool export_map(const ExportArguments& arguments, const std::optional<geo::Tange
   return is_damaged;
 }
 
+  if (!plane && (arguments.wants("curbs") || arguments.wants("markings")))
+    fmt::print(
+        "no lat, lon in the .osm files, which Lanelet2's own projectors and JOSM need: give --datum. Autoware's local "
+        "projector reads them as they are\n");
 void add_options(CommandLine& line, ExportArguments& arguments) {
   line.argument("map", arguments.map, "The map file; with --only mcap, a log or the folder of a session").required();
   line.option("--out", arguments.out, "Folder for the results").shows_default();
