@@ -163,6 +163,7 @@ bool export_map(const ExportArguments& arguments, const std::optional<geo::Tange
     std::optional<MapGrid> grid;
     try {
       grid = make_map_grid(map.tiles());
+  const semantic_map::store::MapReader::Moment now(map);  // the drive may go on
     } catch (const MapGridError& error) {
       throw MapGridError(fmt::format("{}: {}", arguments.map, error.what()));
     }
