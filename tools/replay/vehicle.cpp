@@ -60,12 +60,12 @@ struct Configuration {
 void leave_folder_alone(const ReplayOptions& options, mapper::config::MapperConfig& mapper) {
   const bool is_named = std::any_of(options.assignments.begin(), options.assignments.end(),
                                     [](const std::string& a) { return a.starts_with("mapper.folder="); });
-  if (is_named || !options.config_file.empty() || mapper.folder.empty()) return;
+  if (is_named || mapper.folder.empty()) return;
   if (mapper.mode == mapper::config::MapMode::kExtend)
     throw ConfigError(
-        fmt::format("mapper.folder: the drive extended the map in {}, and so would the replay: --set "
-                    "mapper.folder=COPY takes a copy "
-                    "of what it was, --set mapper.mode=map makes a map of its own",
+        fmt::format("mapper.folder: by mode extend this replay would add its drive to the map in {}: --set "
+                    "mapper.folder=COPY takes a copy of what it was before the drive, --set mapper.mode=map makes a "
+                    "map of its own",
                     mapper.folder));
   if (mapper.mode == mapper::config::MapMode::kMap) mapper.folder.clear();
 }
