@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/log/log_reader.hpp"
 #include "common/log/log_writer.hpp"
 #include "tests/stamps.hpp"
 #include "tests/system/run_program.hpp"
@@ -138,3 +139,22 @@ TEST_F(RecordedConfigs, OneThatThisVersionCannotReadIsAnErrorWithAWayOut) {
 
 }  // namespace
 }  // namespace curbstone::system_test
+TEST_F(RecordedConfigs, WhatIsRecordedOfTheVehicleHoldsForTheProcessesThatAreNot) {
+  write_with_config("mapper:\n  vehicle:\n    wheel_radius: 0.3\n");
+  const std::string all = (folder_ / "all.lcmlog").string();
+  const ProgramResult result = replay_with("--record " + all);
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_THAT(result.out,
+              HasSubstr("as recorded by 0.0.1; ekf, tensor_voting, semantic_map: the recorded vehicle, else "
+                        "the defaults, as none is recorded"));
+  LogReader reader(all);
+  std::string ekf;
+  service_config_t config;
+  while (const auto event = reader.next()) {
+    if (event->channel == "CONFIG" &&
+        config.decode(event->bytes.data(), 0, static_cast<int>(event->bytes.size())) > 0 && config.section == "ekf")
+      ekf = config.yaml;
+  }
+  EXPECT_THAT(ekf, HasSubstr("wheel_radius: 0.3 "));
+}
+

@@ -6,8 +6,6 @@
 #include <array>
 #include <cstdio>
 #include <curbstone/service_config_t.hpp>
-#include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <set>
@@ -26,8 +24,8 @@
 #include "tools/output/inputs.hpp"
 #include "tools/output/new_file.hpp"
 #include "tools/output/watched_log.hpp"
+#include "tools/recording/recorded_config.hpp"
 #include "tools/replay/new_map.hpp"
-#include "tools/replay/recorded_config.hpp"
 #include "tools/replay/vehicle_line.hpp"
 
 namespace curbstone::replay {
@@ -67,7 +65,8 @@ class ConfigWatch {
     if (!seen_.insert(recorded.service + recorded.yaml + recorded.version).second || seen_.size() > kMaxConfigs) return;
     for (const auto& stage : vehicle_.stages()) {
       if (stage.name != recorded.section) continue;
-      for (const std::string& difference : config_differences(stage.config, recorded.yaml)) print_line(difference);
+      for (const std::string& difference : recording::config_differences(stage.config, recorded.yaml))
+        print_line(difference);
       if (recorded.version != version())
         print_line(
             fmt::format("{} was recorded by version {}, this is {}", recorded.service, recorded.version, version()));
@@ -117,7 +116,7 @@ Summary drive(output::WatchedLog& log, VehicleLine& vehicle) {
     vehicle.deliver(order.time(), std::move(event.channel), std::move(event.bytes));
   };
   while (auto event = log.next()) {
-    if (const auto config = config_in(*event)) configs.on(*config);
+    if (const auto config = recording::config_in(*event)) configs.on(*config);
     if (!is_sensor(event->channel)) continue;
     order.push(std::move(*event));
     while (auto ready = order.pop(false)) deliver(std::move(*ready));
@@ -139,11 +138,8 @@ bool is_map_whole(const VehicleLine& vehicle) {
 }
 
 std::string config_source(const ReplayOptions& options) {
-  std::string source = options.config_file;
-  if (source.empty())
-    source =
-        options.recorded.empty() ? "the defaults, as none is recorded" : "as recorded by " + options.recorded.version;
-  return options.assignments.empty() ? source : source + ", and --set";
+  return recording::source_of_configuration({"ekf", "mapper", "tensor_voting", "semantic_map"}, options.config_file,
+                                            options.recorded, options.assignments);
 }
 
 void report(const Summary& summary, const VehicleLine& vehicle, double wall_seconds, const NewMap& map,
@@ -209,7 +205,7 @@ int run_replay(int argc, char** argv) {
 
   output::WatchedLog log(arguments.logs, "replay");
   LogFiles head(arguments.logs);
-  arguments.vehicle.recorded = recorded_config(head);
+  arguments.vehicle.recorded = recording::recorded_config(head);
   output::refuse_to_overwrite(head.names(), arguments.record);
   check_configuration(arguments.vehicle);  // before anything is written
   NewMap map(arguments.vehicle.map_file);
