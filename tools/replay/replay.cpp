@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <curbstone/service_config_t.hpp>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -23,6 +23,7 @@
 #include "common/time/clock.hpp"
 #include "tools/output/inputs.hpp"
 #include "tools/output/new_file.hpp"
+#include "tools/output/ordered_log.hpp"
 #include "tools/output/watched_log.hpp"
 #include "tools/recording/recorded_config.hpp"
 #include "tools/replay/new_map.hpp"
@@ -31,13 +32,6 @@
 namespace curbstone::replay {
 
 namespace {
-
-/// The drivers' channels, from which the rest is computed.
-constexpr std::array kSensorChannels = {"LIDAR_POINTS", "IMU", "WHEELS"};
-
-bool is_sensor(const std::string& channel) {
-  return std::find(kSensorChannels.begin(), kSensorChannels.end(), channel) != kSensorChannels.end();
-}
 
 constexpr std::int64_t kLatest = 4'102'444'800'000'000;  // us: the year 2100
 
@@ -50,7 +44,8 @@ struct Arguments {
 
 struct Summary {
   std::int64_t messages = 0;
-  std::int64_t refused = 0;  // with invalid times
+  std::int64_t refused = 0;                        // with invalid times
+  std::map<std::string, std::int64_t> other_type;  // by channel
   std::int64_t first_utime = 0;
   std::int64_t last_utime = 0;
   [[nodiscard]] double seconds() const { return static_cast<double>(last_utime - first_utime) * 1e-6; }
@@ -117,7 +112,11 @@ Summary drive(output::WatchedLog& log, VehicleLine& vehicle) {
   };
   while (auto event = log.next()) {
     if (const auto config = recording::config_in(*event)) configs.on(*config);
-    if (!is_sensor(event->channel)) continue;
+    if (!output::is_of_a_driver(event->channel)) continue;
+    if (output::has_other_type(*event)) {
+      ++summary.other_type[event->channel];
+      continue;
+    }
     order.push(std::move(*event));
     while (auto ready = order.pop(false)) deliver(std::move(*ready));
   }
@@ -148,6 +147,9 @@ void report(const Summary& summary, const VehicleLine& vehicle, double wall_seco
              summary.seconds() / wall_seconds, summary.messages, map.with_final_names(map.part()));
   fmt::print("  configuration: {}\n", configuration);
   if (summary.refused > 0) fmt::print("  refused.time {}\n", summary.refused);
+  for (const auto& [channel, count] : summary.other_type)
+    fmt::print("  refused.type {}: messages on {} that have another type than the drivers'\n", count, channel);
+  for (const auto& [name, value] : vehicle.bus_counters().values()) fmt::print("  {} {}\n", name, value);
   for (const auto& stage : vehicle.stages()) {
     const NodeReport report = stage.node->report();
     for (const auto& [name, value] : report.counters.values()) {
@@ -173,7 +175,9 @@ bool make_map(const Arguments& arguments, output::WatchedLog& log, const NewMap&
   VehicleLine vehicle(arguments.vehicle, options);
   const std::int64_t start = steady_clock();
   const Summary summary = drive(log, vehicle);
-  if (summary.messages == 0) throw std::runtime_error(arguments.logs[0] + ": holds no LIDAR_POINTS, IMU or WHEELS");
+  if (summary.messages == 0)
+    throw std::runtime_error(fmt::format("{}: holds no LIDAR_POINTS, IMU or WHEELS{}", arguments.logs[0],
+                                         summary.other_type.empty() ? "" : " of a type that this version knows"));
   if (recorder) recorder->flush();
   report(summary, vehicle, static_cast<double>(steady_clock() - start) * 1e-6, map, config_source(arguments.vehicle));
   if (!is_map_whole(vehicle))
