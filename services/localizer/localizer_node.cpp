@@ -36,6 +36,7 @@ LocalizerNode::LocalizerNode(const LocalizerConfig& config, Publisher& bus)
     throw ConfigError(fmt::format("localizer.start: expected X, Y, YAW or none, got {} numbers", config_.start.size()));
   if (config_.method == Method::kMonteCarlo && config_.start.empty())
     throw ConfigError("localizer.start: method mcl needs the place where the drive begins");
+  const semantic_map::store::MapReader::Moment now(file_);
   epoch_ = file_.epoch();
   const auto keys = file_.tile_keys();
   map_.emplace(keys, [this](TileKey key) { return read(key); });
@@ -45,9 +46,14 @@ LocalizerNode::LocalizerNode(const LocalizerConfig& config, Publisher& bus)
 }
 
 /// At the start a damaged map is refused. Later, the localizer continues without the tile.
-std::optional<semantic_map::tile::MapTile> LocalizerNode::read(TileKey key) const {
+std::optional<semantic_map::tile::MapTile> LocalizerNode::read(TileKey key) {
+  if (is_replaced_) return std::nullopt;
   try {
-    return file_.tile(key);
+    auto tile = file_.tile(key);
+    // Asked behind the tile, which may be the first of another drive, in a frame of its own.
+    is_replaced_ = is_checked_ && file_.epoch() != epoch_;
+    if (is_replaced_) return std::nullopt;
+    return tile;
   } catch (const semantic_map::store::MapStoreError&) {
     if (!is_checked_) throw;
     return std::nullopt;
@@ -234,6 +240,11 @@ NodeReport LocalizerNode::report() const {
   clock_.add_faults(report.faults);
   mapper::scan::add_second_filter_fault(odometry_, report.faults);
   if (lidar_time_ != 0 && !begun_) report.faults.emplace_back("no usable ODOMETRY yet");
+  if (is_replaced_)
+    report.faults.push_back(
+        fmt::format("{}: another drive has begun in this file, and only what was read of it before is used: "
+                    "localizer.map must not be the file that semantic_map writes",
+                    config_.map));
   if (tracker_ && lost()) report.faults.push_back(fmt::format("lost: {} does not show what is seen here", config_.map));
   if (begun_ && !tracker_) report.faults.push_back(fmt::format("not found yet in {}", config_.map));
   if (lost() && global_localizer_.ambiguous())

@@ -39,7 +39,7 @@ class LocalizerNode final : public Node {
   void on(const odometry_t& message);
 
  private:
-  [[nodiscard]] std::optional<semantic_map::tile::MapTile> read(TileKey key) const;
+  [[nodiscard]] std::optional<semantic_map::tile::MapTile> read(TileKey key);
   void queue(std::optional<mapper::scan::Scan> scan);
   void process_due(bool last_call);
   void process(const mapper::scan::Scan& scan);
@@ -60,7 +60,8 @@ class LocalizerNode final : public Node {
   LocalizerConfig config_;
   Publisher& bus_;
   semantic_map::store::MapReader file_;
-  bool is_checked_ = false;  // every tile was read once
+  bool is_checked_ = false;   // every tile was read once
+  bool is_replaced_ = false;  // the file holds another drive now
   std::optional<fields::SavedMap> map_;
   std::int32_t epoch_ = 0;  // of the map
   SingleSender lidar_;

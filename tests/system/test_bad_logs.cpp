@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/log/log_reader.hpp"
 #include "common/log/log_writer.hpp"
 #include "tests/stamps.hpp"
 #include "tests/system/run_program.hpp"
@@ -53,6 +54,36 @@ TEST_F(BadLogs, AMessageOfAnImpossibleTimeIsCountedAndLeftOut) {
     EXPECT_EQ(result.exit_status, 0) << result.err;
     EXPECT_THAT(result.out, HasSubstr("refused.time 1")) << utime;
   }
+}
+
+TEST_F(BadLogs, MessagesOfAnotherTypeAreCountedAndMakeNoMap) {
+  write(300, kStart);
+  ASSERT_EQ(replay().exit_status, 0);
+  const auto bytes_of_map = std::filesystem::file_size(folder_ / "map.db");
+  std::filesystem::remove(log_);
+  const auto write_foreign = [this](bool with_ours) {
+    LogWriter log(log_);
+    for (int i = 0; i < 300; ++i) {
+      const std::int64_t utime = kStart + i * 10'000;
+      log.write("LIDAR_POINTS", "of another program", 18, utime);
+      imu_t message{};
+      message.utime = utime;
+      std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+      message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+      if (with_ours) log.write("IMU", bytes.data(), static_cast<int>(bytes.size()) - (i % 3 == 0 ? 5 : 0), utime);
+    }
+  };
+  write_foreign(true);
+  const ProgramResult result = replay();
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("refused.type 300: messages on LIDAR_POINTS"));
+  EXPECT_THAT(result.out, HasSubstr("refused.undecodable 100")) << "those that are cut short";
+
+  write_foreign(false);
+  const ProgramResult none = replay();
+  EXPECT_EQ(none.exit_status, 1) << none.out;
+  EXPECT_THAT(none.err, HasSubstr("holds no LIDAR_POINTS, IMU or WHEELS of a type that this version knows"));
+  EXPECT_EQ(std::filesystem::file_size(folder_ / "map.db"), bytes_of_map) << "the map that was there stays";
 }
 
 TEST_F(BadLogs, ALeapOfYearsEndsAndTheRestIsRead) {
@@ -117,6 +148,25 @@ TEST_F(RecordedConfigs, AReplayRunsWithWhatWasRecorded) {
   EXPECT_THAT(result.out, HasSubstr("configuration: as recorded by 0.0.1"));
   EXPECT_THAT(result.err, Not(HasSubstr("mapper.vehicle.lidar")));
   EXPECT_THAT(result.err, HasSubstr("mapper was recorded by version 0.0.1, this is "));
+}
+
+TEST_F(RecordedConfigs, WhatIsRecordedOfTheVehicleHoldsForTheProcessesThatAreNot) {
+  write_with_config("mapper:\n  vehicle:\n    wheel_radius: 0.3\n");
+  const std::string all = (folder_ / "all.lcmlog").string();
+  const ProgramResult result = replay_with("--record " + all);
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_THAT(result.out,
+              HasSubstr("as recorded by 0.0.1; ekf, tensor_voting, semantic_map: the recorded vehicle, else "
+                        "the defaults, as none is recorded"));
+  LogReader reader(all);
+  std::string ekf;
+  service_config_t config;
+  while (const auto event = reader.next()) {
+    if (event->channel == "CONFIG" &&
+        config.decode(event->bytes.data(), 0, static_cast<int>(event->bytes.size())) > 0 && config.section == "ekf")
+      ekf = config.yaml;
+  }
+  EXPECT_THAT(ekf, HasSubstr("wheel_radius: 0.3 "));
 }
 
 TEST_F(RecordedConfigs, AnotherConfigurationIsTakenAndItsDifferencesAreNamed) {

@@ -20,6 +20,7 @@
 #include "tools/export/nav2_map.hpp"
 #include "tools/export/raster_file.hpp"
 #include "tools/output/output_folder.hpp"
+#include "tools/recording/recorded_config.hpp"
 
 namespace curbstone::map_export {
 
@@ -132,7 +133,11 @@ bool add_cloud(const ExportArguments& arguments, std::int32_t epoch, output::Out
 /// Returns whether the log is damaged.
 bool add_mcap(const ExportArguments& arguments, output::OutputFolder& out) {
   const std::string& log = arguments.log.empty() ? arguments.map : arguments.log;
-  const auto config = config_of<viewer::ViewerConfig>("viewer", kProcessSections, arguments.config, {});
+  auto config = config_of<viewer::ViewerConfig>("viewer", kProcessSections, arguments.config, {});
+  if (arguments.config.empty()) {
+    LogFiles head({log});
+    config.vehicle = recording::recorded_config(head).vehicle();
+  }
   bool is_damaged = false;
   out.add("drive.mcap", [&](const std::string& path) {
     const mcap::McapResult result = mcap::write_mcap(log, path, config, arguments.mcap);
@@ -158,6 +163,7 @@ bool export_log(const ExportArguments& arguments) {
 /// Returns whether the log (if any) is damaged.
 bool export_map(const ExportArguments& arguments, const std::optional<geo::TangentPlane>& plane) {
   const semantic_map::store::MapReader map(arguments.map);
+  const semantic_map::store::MapReader::Moment now(map);  // the drive may go on
   output::OutputFolder out(arguments.out);
   if (arguments.wants("nav2") || arguments.wants("rasters")) {
     std::optional<MapGrid> grid;
@@ -173,6 +179,10 @@ bool export_map(const ExportArguments& arguments, const std::optional<geo::Tange
   if (arguments.wants("markings")) add_markings(map, plane, out);
   bool is_damaged = !arguments.log.empty() && arguments.wants("cloud") && add_cloud(arguments, map.epoch(), out);
   if (arguments.names("mcap")) is_damaged = add_mcap(arguments, out) || is_damaged;
+  if (!plane && (arguments.wants("curbs") || arguments.wants("markings")))
+    fmt::print(
+        "no lat, lon in the .osm files, which Lanelet2's own projectors and JOSM need: give --datum. Autoware's local "
+        "projector reads them as they are\n");
   if (arguments.log.empty() && arguments.only.empty())
     fmt::print("no cloud: a map file keeps no points; give the log of its MAP_POINTS with --log\n");
   for (const std::string& name : out.commit()) fmt::print("{}/{}\n", arguments.out, name);
@@ -186,7 +196,8 @@ void add_options(CommandLine& line, ExportArguments& arguments) {
       .comma_separated()
       .one_of({"nav2", "rasters", "curbs", "markings", "cloud", "mcap"});
   line.option("--config", arguments.config,
-              "The vehicle's YAML file: its semantic_map.classes.unknown_is_free decides where --unknown is not given");
+              "The vehicle's YAML file: its semantic_map.classes.unknown_is_free decides where --unknown is not given; "
+              "mcap: its vehicle, instead of the one that the log recorded");
   line.choice(
       "--unknown", arguments.nav2.unknown,
       {{"occupied", UnknownCells::kOccupied}, {"unknown", UnknownCells::kUnknown}, {"free", UnknownCells::kFree}},

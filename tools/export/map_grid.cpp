@@ -67,7 +67,8 @@ MapGrid make_map_grid(const std::vector<semantic_map::tile::MapTile>& tiles) {
   if (x.low > x.high) throw MapGridError("the map is empty: it holds no known cell");
   if (x.size() > kMaxGridCells || y.size() > kMaxGridCells || x.size() > kMaxGridCells / y.size())
     throw MapGridError(fmt::format(
-        "the map is {:.0f} x {:.0f} m from edge to edge: more than a raster of {} cells holds",
+        "the map is {:.0f} x {:.0f} m from edge to edge: more than a raster of {} cells holds; --only "
+        "curbs,markings needs none",
         static_cast<double>(x.size()) * kCellSize, static_cast<double>(y.size()) * kCellSize, kMaxGridCells));
   MapGrid grid;
   grid.column0 = x.low;

@@ -17,7 +17,6 @@
 #include "common/config/assignments.hpp"
 #include "common/config/command_line.hpp"
 #include "common/config/config.hpp"
-#include "config/sections.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/localizer/localizer_node.hpp"
 #include "services/semantic_map/store/map_store.hpp"
@@ -27,6 +26,7 @@
 #include "tools/output/ordered_log.hpp"
 #include "tools/output/text_file.hpp"
 #include "tools/output/watched_log.hpp"
+#include "tools/recording/recorded_config.hpp"
 
 namespace curbstone::localise {
 namespace {
@@ -60,9 +60,8 @@ Localised said_live(output::WatchedLog& log) {
   return out;
 }
 
-Localised localise(output::WatchedLog& log, const Arguments& arguments, const localizer::LocalizerConfig& config) {
-  auto ekf_config = config_of<ekf::base::EkfConfig>("ekf", kProcessSections, arguments.config, arguments.assignments);
-  ekf_config.state_file.clear();  // its state is of another vehicle or time
+Localised localise(output::WatchedLog& log, const ekf::base::EkfConfig& ekf_config,
+                   const localizer::LocalizerConfig& config) {
   LocalBus bus;
   ekf::EkfNode ekf(ekf_config, bus);
   localizer::LocalizerNode node(config, bus);
@@ -148,10 +147,25 @@ void set_start(const Arguments& arguments, const std::optional<TrueMapPose>& tru
   config.start = {p.x(), p.y(), roll_pitch_yaw(T_map_base->linear()).z()};
 }
 
-int run(const Arguments& arguments) {
+ekf::base::EkfConfig filter_of(const Arguments& arguments, const recording::RecordedConfig& recorded) {
   auto config =
-      config_of<localizer::LocalizerConfig>("localizer", kProcessSections, arguments.config, arguments.assignments);
-  config.map = arguments.map;
+      recording::config_of<ekf::base::EkfConfig>("ekf", arguments.config, recorded, arguments.assignments).value;
+  config.state_file.clear();  // its state is of another vehicle or time
+  return config;
+}
+
+localizer::LocalizerConfig localizer_of(const Arguments& arguments, const recording::RecordedConfig& recorded) {
+  auto config = recording::config_of<localizer::LocalizerConfig>("localizer", arguments.config, recorded, {});
+  if (arguments.config.empty()) config.value.start.clear();  // a recorded one may be on another map
+  set_section_values("localizer", arguments.assignments, config);
+  config.value.map = arguments.map;
+  return config.value;
+}
+
+int run(const Arguments& arguments) {
+  LogFiles head(arguments.logs);
+  const recording::RecordedConfig recorded = recording::recorded_config(head);
+  localizer::LocalizerConfig config = localizer_of(arguments, recorded);
   std::optional<TrueMapPose> truth;
   evaluate::truth::Trajectory drive;
   if (!arguments.truth.empty()) {
@@ -161,7 +175,7 @@ int run(const Arguments& arguments) {
   }
   set_start(arguments, truth, drive, config);
   output::WatchedLog log(arguments.logs, "localise");
-  const Localised out = arguments.recorded ? said_live(log) : localise(log, arguments, config);
+  const Localised out = arguments.recorded ? said_live(log) : localise(log, filter_of(arguments, recorded), config);
   if (out.poses.empty() && arguments.recorded) throw std::runtime_error(arguments.logs[0] + ": has no LOCALIZED_POSE");
   if (out.poses.empty()) throw std::runtime_error(arguments.logs[0] + ": gives no pose: LIDAR_POINTS, IMU and WHEELS?");
   const auto lost = std::count_if(out.poses.begin(), out.poses.end(),
@@ -170,6 +184,9 @@ int run(const Arguments& arguments) {
   if (!arguments.recorded)
     fmt::print("; {:.2f} ms each (p50), {:.2f} (p99)", 1e3 * out.report.latency_p50, 1e3 * out.report.latency_p99);
   fmt::print("\n");
+  if (!arguments.recorded)
+    fmt::print("  configuration: {}\n", recording::source_of_configuration({"ekf", "localizer"}, arguments.config,
+                                                                           recorded, arguments.assignments));
   for (const std::string& fault : out.report.faults) fmt::print("  at the end: {}\n", fault);
   nlohmann::json figures = {{"revolutions", out.poses.size()}, {"lost", lost}};
   if (truth) {
@@ -196,7 +213,7 @@ int run_localise(int argc, char** argv) {
   line.option("--start", arguments.start,
               "X,Y,YAW in the map, m and rad, where the drive begins; else it is searched for")
       .comma_separated();
-  line.option("--config", arguments.config, "The vehicle's YAML file");
+  line.option("--config", arguments.config, "The vehicle's YAML file, instead of what the log was recorded with");
   line.option("--set", arguments.assignments, "SECTION.KEY=VALUE, over the file").one_each();
   line.option("--truth", arguments.truth, "Truth folder of the drive: adds its errors");
   line.option("--map-truth", arguments.map_truth, "Truth folder of the drive that made the map, of the same town");

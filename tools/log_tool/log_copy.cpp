@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "common/log/log_writer.hpp"
 #include "tools/output/new_file.hpp"
 #include "tools/output/watched_log.hpp"
 
@@ -15,7 +14,8 @@ void CopyOptions::declare(CommandLine& line) {
 }
 
 LogLoss copy_log(const CopyOptions& options, const std::string& command,
-                 const std::function<bool(const LogEvent&)>& wanted) {
+                 const std::function<bool(const LogEvent&)>& wanted,
+                 const std::function<void(LogWriter&, std::int64_t utime)>& head) {
   output::WatchedLog log(options.logs, "log " + command);
   output::NewFile file(options.out, options.force);
   std::int64_t all = 0;
@@ -25,6 +25,7 @@ LogLoss copy_log(const CopyOptions& options, const std::string& command,
     while (const auto event = log.next()) {
       ++all;
       if (!wanted(*event)) continue;
+      if (written == 0 && head) head(writer, event->log_utime);
       writer.write(event->channel, event->bytes.data(), static_cast<int>(event->bytes.size()), event->log_utime);
       ++written;
     }

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 #include <limits>
@@ -6,12 +7,12 @@
 
 #include "common/bus/decode.hpp"
 #include "common/config/command_line.hpp"
-#include "common/config/config.hpp"
 #include "common/config/vehicle.hpp"
 #include "tools/log_tool/commands.hpp"
 #include "tools/log_tool/scans.hpp"
 #include "tools/output/new_file.hpp"
 #include "tools/output/watched_log.hpp"
+#include "tools/recording/recorded_config.hpp"
 
 namespace curbstone::log_tool {
 
@@ -22,7 +23,7 @@ struct PcdOptions {
   std::string channel = "LIDAR_POINTS";
   std::string out;
   bool merged = false;
-  std::vector<double> lidar = VehicleConfig{}.lidar;
+  std::vector<double> lidar;  // empty: as recorded
   int first = 0;
   int count = std::numeric_limits<int>::max();
   bool force = false;
@@ -55,8 +56,10 @@ LoggedPath path_in(const PcdOptions& options) {
   LoggedPath path;
   LogFiles files(options.logs);
   map_pose_t pose;
+  map_trajectory_t corrected;
   while (const auto event = files.next()) {
     if (event->channel == "MAP_POSE" && decode_event(*event, pose)) path.take(pose);
+    if (event->channel == "MAP_TRAJECTORY" && decode_event(*event, corrected)) path.take(corrected);
   }
   if (path.empty())
     throw std::runtime_error(
@@ -78,11 +81,22 @@ bool write_each(const PcdOptions& options) {
   return damaged;
 }
 
+/// Where the mapper that published MAP_POSE had the LiDAR.
+Pose lidar_in(const PcdOptions& options) {
+  VehicleConfig vehicle;
+  if (options.lidar.empty()) {
+    LogFiles head(options.logs);
+    vehicle = recording::recorded_config(head).vehicle();
+  } else {
+    vehicle.lidar = options.lidar;
+  }
+  fmt::print("T_base_lidar: [{}]\n", fmt::join(vehicle.lidar, ", "));
+  return vehicle.T_base_lidar();
+}
+
 bool write_merged(const PcdOptions& options) {
   const LoggedPath path = path_in(options);
-  VehicleConfig vehicle;
-  vehicle.lidar = options.lidar;
-  const Pose T_base_lidar = vehicle.T_base_lidar();
+  const Pose T_base_lidar = lidar_in(options);
   output::NewFile file(options.out, options.force);
   std::vector<ScanPoint> points;
   std::int64_t without_pose = 0;
@@ -115,17 +129,19 @@ int run_pcd(int argc, char** argv) {
   line.option("log", options.logs, "LCM logs, or the folder of a session").required();
   line.option("--out", options.out, "A folder, in which each scan becomes scan-<utime>.pcd; with --merged, the file")
       .required();
-  line.flag("--merged", options.merged,
-            "All in one file, in map, each point where MAP_POSE had the vehicle at its time");
-  line.option("--lidar", options.lidar, "--merged: T_base_lidar: x y z in m, roll pitch yaw in rad; as vehicle.lidar")
-      .comma_separated()
-      .shows_default();
+  line.flag(
+      "--merged", options.merged,
+      "All in one file, in the last map, each point where MAP_POSE and MAP_TRAJECTORY have the vehicle at its time");
+  line.option(
+          "--lidar", options.lidar,
+          "--merged: T_base_lidar: x y z in m, roll pitch yaw in rad; default: vehicle.lidar of the drive, as recorded")
+      .comma_separated();
   line.option("--channel", options.channel, "Whose points").shows_default();
   line.option("--first", options.first, "The first scan that is wanted, from 0").within(0, 1'000'000'000);
   line.option("--count", options.count, "How many; default: all").within(1, 1'000'000'000);
   line.flag("--force", options.force, "Replace files that are there");
   if (const auto status = line.read(argc, argv)) return *status;
-  if (options.lidar.size() != 6) throw std::runtime_error("--lidar: expected six numbers");
+  if (line.given("--lidar") && options.lidar.size() != 6) throw std::runtime_error("--lidar: expected six numbers");
   return (options.merged ? write_merged(options) : write_each(options)) ? 1 : 0;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <curbstone/lidar_points_t.hpp>
 #include <curbstone/map_pose_t.hpp>
+#include <curbstone/map_trajectory_t.hpp>
 #include <functional>
 #include <map>
 #include <optional>
@@ -42,15 +43,23 @@ class ScanCollector {
   LoggedScan scan_;
 };
 
-/// The vehicle's trajectory from MAP_POSE, interpolated between its messages.
+/// The vehicle's trajectory from MAP_POSE and MAP_TRAJECTORY, interpolated between their poses: in the map's last
+/// epoch, as the mapper corrected it. Poses of earlier epochs are void: a closed loop has moved them, or their map had
+/// another frame.
 class LoggedPath {
  public:
   void take(const map_pose_t& message);
-  /// T_map_base at that time, us. Empty before the first pose, after the last, and where two are 1 s or more apart.
+  void take(const map_trajectory_t& message);
+  /// T_map_base at that time, us. Empty before the first pose, after the last, and where the vehicle drove between two
+  /// that are 1 s or more apart.
   [[nodiscard]] std::optional<Pose> at(std::int64_t utime) const;
   [[nodiscard]] bool empty() const { return poses_.empty(); }
 
  private:
+  /// Whether a message of this epoch and time counts.
+  bool follow(std::int32_t epoch, std::int64_t utime);
+
+  std::int32_t epoch_ = 0;
   std::map<std::int64_t, Pose> poses_;
 };
 

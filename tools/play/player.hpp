@@ -13,6 +13,8 @@
 namespace curbstone::play {
 
 /// Publishes the messages of logs on a bus, at the pace of their records. The messages and their times are unchanged.
+/// Where nothing was recorded for 10 s or more (between two sessions, or the host's clock was set forward) it goes on
+/// at once. Where the records' times go back by as much, the clock was set back: it goes on at the same pace.
 /// Independent of any clock: the time is an argument of advance(). One thread.
 class Player {
  public:
@@ -33,7 +35,7 @@ class Player {
   /// Continues from there, us since the beginning, in either direction. The log is read up to there.
   void seek(std::int64_t us);
 
-  /// us since the first record; at the end, the time of the last record.
+  /// us since the first record; at the end, the time of the last record. Steps back of the clock are left out.
   [[nodiscard]] std::int64_t position() const { return position_; }
   /// us since the Unix epoch, of the first record.
   [[nodiscard]] std::int64_t begin() const { return begin_; }
@@ -45,6 +47,7 @@ class Player {
 
  private:
   void open();
+  void read_next();
   void publish_until(std::int64_t position);
 
   std::vector<std::string> logs_;
@@ -52,6 +55,8 @@ class Player {
   Wanted wanted_;
   std::unique_ptr<LogFiles> files_;
   std::optional<LogEvent> next_;
+  std::int64_t next_at_ = 0;   // us since the beginning
+  std::int64_t set_back_ = 0;  // us, by which the clock of the records was set back so far
   std::int64_t begin_ = 0;
   std::int64_t position_ = 0;
   std::optional<std::int64_t> last_now_;

@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <curbstone/service_config_t.hpp>
-#include <filesystem>
-#include <fstream>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -25,21 +23,15 @@
 #include "common/time/clock.hpp"
 #include "tools/output/inputs.hpp"
 #include "tools/output/new_file.hpp"
+#include "tools/output/ordered_log.hpp"
 #include "tools/output/watched_log.hpp"
+#include "tools/recording/recorded_config.hpp"
 #include "tools/replay/new_map.hpp"
-#include "tools/replay/recorded_config.hpp"
 #include "tools/replay/vehicle_line.hpp"
 
 namespace curbstone::replay {
 
 namespace {
-
-/// The drivers' channels, from which the rest is computed.
-constexpr std::array kSensorChannels = {"LIDAR_POINTS", "IMU", "WHEELS"};
-
-bool is_sensor(const std::string& channel) {
-  return std::find(kSensorChannels.begin(), kSensorChannels.end(), channel) != kSensorChannels.end();
-}
 
 constexpr std::int64_t kLatest = 4'102'444'800'000'000;  // us: the year 2100
 
@@ -52,7 +44,8 @@ struct Arguments {
 
 struct Summary {
   std::int64_t messages = 0;
-  std::int64_t refused = 0;  // with invalid times
+  std::int64_t refused = 0;                        // with invalid times
+  std::map<std::string, std::int64_t> other_type;  // by channel
   std::int64_t first_utime = 0;
   std::int64_t last_utime = 0;
   [[nodiscard]] double seconds() const { return static_cast<double>(last_utime - first_utime) * 1e-6; }
@@ -67,7 +60,8 @@ class ConfigWatch {
     if (!seen_.insert(recorded.service + recorded.yaml + recorded.version).second || seen_.size() > kMaxConfigs) return;
     for (const auto& stage : vehicle_.stages()) {
       if (stage.name != recorded.section) continue;
-      for (const std::string& difference : config_differences(stage.config, recorded.yaml)) print_line(difference);
+      for (const std::string& difference : recording::config_differences(stage.config, recorded.yaml))
+        print_line(difference);
       if (recorded.version != version())
         print_line(
             fmt::format("{} was recorded by version {}, this is {}", recorded.service, recorded.version, version()));
@@ -117,8 +111,12 @@ Summary drive(output::WatchedLog& log, VehicleLine& vehicle) {
     vehicle.deliver(order.time(), std::move(event.channel), std::move(event.bytes));
   };
   while (auto event = log.next()) {
-    if (const auto config = config_in(*event)) configs.on(*config);
-    if (!is_sensor(event->channel)) continue;
+    if (const auto config = recording::config_in(*event)) configs.on(*config);
+    if (!output::is_of_a_driver(event->channel)) continue;
+    if (output::has_other_type(*event)) {
+      ++summary.other_type[event->channel];
+      continue;
+    }
     order.push(std::move(*event));
     while (auto ready = order.pop(false)) deliver(std::move(*ready));
   }
@@ -139,11 +137,8 @@ bool is_map_whole(const VehicleLine& vehicle) {
 }
 
 std::string config_source(const ReplayOptions& options) {
-  std::string source = options.config_file;
-  if (source.empty())
-    source =
-        options.recorded.empty() ? "the defaults, as none is recorded" : "as recorded by " + options.recorded.version;
-  return options.assignments.empty() ? source : source + ", and --set";
+  return recording::source_of_configuration({"ekf", "mapper", "tensor_voting", "semantic_map"}, options.config_file,
+                                            options.recorded, options.assignments);
 }
 
 void report(const Summary& summary, const VehicleLine& vehicle, double wall_seconds, const NewMap& map,
@@ -152,6 +147,9 @@ void report(const Summary& summary, const VehicleLine& vehicle, double wall_seco
              summary.seconds() / wall_seconds, summary.messages, map.with_final_names(map.part()));
   fmt::print("  configuration: {}\n", configuration);
   if (summary.refused > 0) fmt::print("  refused.time {}\n", summary.refused);
+  for (const auto& [channel, count] : summary.other_type)
+    fmt::print("  refused.type {}: messages on {} that have another type than the drivers'\n", count, channel);
+  for (const auto& [name, value] : vehicle.bus_counters().values()) fmt::print("  {} {}\n", name, value);
   for (const auto& stage : vehicle.stages()) {
     const NodeReport report = stage.node->report();
     for (const auto& [name, value] : report.counters.values()) {
@@ -177,7 +175,9 @@ bool make_map(const Arguments& arguments, output::WatchedLog& log, const NewMap&
   VehicleLine vehicle(arguments.vehicle, options);
   const std::int64_t start = steady_clock();
   const Summary summary = drive(log, vehicle);
-  if (summary.messages == 0) throw std::runtime_error(arguments.logs[0] + ": holds no LIDAR_POINTS, IMU or WHEELS");
+  if (summary.messages == 0)
+    throw std::runtime_error(fmt::format("{}: holds no LIDAR_POINTS, IMU or WHEELS{}", arguments.logs[0],
+                                         summary.other_type.empty() ? "" : " of a type that this version knows"));
   if (recorder) recorder->flush();
   report(summary, vehicle, static_cast<double>(steady_clock() - start) * 1e-6, map, config_source(arguments.vehicle));
   if (!is_map_whole(vehicle))
@@ -209,7 +209,7 @@ int run_replay(int argc, char** argv) {
 
   output::WatchedLog log(arguments.logs, "replay");
   LogFiles head(arguments.logs);
-  arguments.vehicle.recorded = recorded_config(head);
+  arguments.vehicle.recorded = recording::recorded_config(head);
   output::refuse_to_overwrite(head.names(), arguments.record);
   check_configuration(arguments.vehicle);  // before anything is written
   NewMap map(arguments.vehicle.map_file);

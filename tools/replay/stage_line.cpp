@@ -49,6 +49,14 @@ void StageLine::finish() {
   rethrow();
 }
 
+Counters StageLine::bus_counters() const {
+  Counters counters;
+  for (const auto& place : places_) {
+    for (const auto& [name, value] : place->group->bus().counters().values()) counters.add(name, value);
+  }
+  return counters;
+}
+
 void StageLine::enter(LineItem item) {
   rethrow();
   if (!options_.threads) return work(0, std::move(item));

@@ -44,6 +44,8 @@ class StageLine {
   void beat(std::int64_t now, bool ticks);
   /// Ends the drive. Returns when all groups have finished.
   void finish();
+  /// What the groups' buses refused. After finish().
+  [[nodiscard]] Counters bus_counters() const;
 
  private:
   struct Place {

@@ -8,7 +8,6 @@
 
 #include "common/config/assignments.hpp"
 #include "common/config/config.hpp"
-#include "config/sections.hpp"
 #include "services/ekf/base/ekf_config.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/mapper/config/mapper_config.hpp"
@@ -33,19 +32,7 @@ struct Section {
 
 template <class Config>
 Section<Config> section_of(const std::string& section, const ReplayOptions& options) {
-  ConfigOf<Config> config;
-  const auto recorded = options.recorded.sections.find(section);
-  if (!options.config_file.empty()) {
-    load_config(options.config_file, section, kProcessSections, config);
-  } else if (recorded != options.recorded.sections.end()) {
-    try {
-      parse_config(recorded->second, "the log's CONFIG", section, kProcessSections, config);
-    } catch (const ConfigError& error) {
-      throw ConfigError(fmt::format("{}: it was recorded by version {}; --config FILE goes without it", error.what(),
-                                    options.recorded.version));
-    }
-  }
-  set_section_values(section, options.assignments, config);
+  auto config = recording::config_of<Config>(section, options.config_file, options.recorded, options.assignments);
   return {config.value, dump_config(section, config)};
 }
 
@@ -60,12 +47,12 @@ struct Configuration {
 void leave_folder_alone(const ReplayOptions& options, mapper::config::MapperConfig& mapper) {
   const bool is_named = std::any_of(options.assignments.begin(), options.assignments.end(),
                                     [](const std::string& a) { return a.starts_with("mapper.folder="); });
-  if (is_named || !options.config_file.empty() || mapper.folder.empty()) return;
+  if (is_named || mapper.folder.empty()) return;
   if (mapper.mode == mapper::config::MapMode::kExtend)
     throw ConfigError(
-        fmt::format("mapper.folder: the drive extended the map in {}, and so would the replay: --set "
-                    "mapper.folder=COPY takes a copy "
-                    "of what it was, --set mapper.mode=map makes a map of its own",
+        fmt::format("mapper.folder: by mode extend this replay would add its drive to the map in {}: --set "
+                    "mapper.folder=COPY takes a copy of what it was before the drive, --set mapper.mode=map makes a "
+                    "map of its own",
                     mapper.folder));
   if (mapper.mode == mapper::config::MapMode::kMap) mapper.folder.clear();
 }

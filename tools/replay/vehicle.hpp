@@ -8,17 +8,17 @@
 
 #include "common/bus/local_bus.hpp"
 #include "common/bus/node.hpp"
-#include "tools/replay/recorded_config.hpp"
+#include "tools/recording/recorded_config.hpp"
 
 namespace curbstone::replay {
 
 /// Options of a replay.
 struct ReplayOptions {
-  std::string config_file;               ///< the vehicle's file; empty: the recorded configuration, else defaults
-  RecordedConfig recorded = {};          ///< from the log
-  std::vector<std::string> assignments;  ///< SECTION.KEY=VALUE, override the file
-  std::string map_file;                  ///< semantic_map's store
-  bool keep_earlier_drives = false;      ///< in files beside it, where the log holds more than one drive
+  std::string config_file;                  ///< the vehicle's file; empty: the recorded configuration, else defaults
+  recording::RecordedConfig recorded = {};  ///< from the log
+  std::vector<std::string> assignments;     ///< SECTION.KEY=VALUE, override the file
+  std::string map_file;                     ///< semantic_map's store
+  bool keep_earlier_drives = false;         ///< in files beside it, where the log holds more than one drive
   /// us of message time. It is 20 ms live. A replay can use a longer period, because no consumer waits for a tile and
   /// the resulting map does not depend on it.
   std::int64_t tick_period = 1'000'000;

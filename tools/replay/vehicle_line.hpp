@@ -25,6 +25,8 @@ class VehicleLine {
   /// Ends the drive: all pending work is finished, stage by stage.
   void finish() { line_->finish(); }
 
+  /// Messages that did not decode, or that a node failed on. After finish().
+  [[nodiscard]] Counters bus_counters() const { return line_->bus_counters(); }
   /// Their nodes may be accessed before the first message and after finish(); without threads also in between.
   [[nodiscard]] const std::vector<Stage>& stages() const { return stages_; }
 

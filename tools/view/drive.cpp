@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#include "tools/replay/recorded_config.hpp"
+#include "tools/recording/recorded_config.hpp"
 
 namespace curbstone::view {
 namespace {
@@ -38,13 +38,18 @@ bool has_map(const std::vector<std::string>& logs) {
 replay::ReplayOptions options_for(const std::vector<std::string>& logs) {
   LogFiles head(logs);
   replay::ReplayOptions options;
-  options.recorded = replay::recorded_config(head);
+  options.recorded = recording::recorded_config(head);
   options.assignments = {"semantic_map.map=", "mapper.folder=", "mapper.mode=map"};  // writes nothing
   options.tick_period = kTick;
   return options;
 }
 
 }  // namespace
+
+VehicleConfig recorded_vehicle(const std::vector<std::string>& logs) {
+  LogFiles head(logs);
+  return recording::recorded_config(head).vehicle();
+}
 
 Drive::Drive(std::vector<std::string> logs, LocalBus& shown)
     : player_(logs, bus_, [this](const std::string& channel) {

@@ -6,10 +6,14 @@
 #include <vector>
 
 #include "common/bus/local_bus.hpp"
+#include "common/config/vehicle.hpp"
 #include "tools/play/player.hpp"
 #include "tools/replay/vehicle.hpp"
 
 namespace curbstone::view {
+
+/// The vehicle that recorded a drive; the defaults if the log has no configuration.
+[[nodiscard]] VehicleConfig recorded_vehicle(const std::vector<std::string>& logs);
 
 /// Plays a recorded drive for the page. Recorded messages of the services are shown unchanged. A log with sensor data
 /// only is processed by the services' nodes in this process. One thread.

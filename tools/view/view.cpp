@@ -84,6 +84,18 @@ class Playing {
   std::unique_ptr<Drive> drive_;
 };
 
+/// The page of a drive shows the vehicle that recorded it; its address and port are for this host to say.
+viewer::ViewerConfig viewer_for(const ViewOptions& options, bool is_map) {
+  ConfigOf<viewer::ViewerConfig> config;
+  if (!options.config.empty()) {
+    load_config(options.config, "viewer", kProcessSections, config);
+  } else if (!is_map) {
+    config.value.vehicle = recorded_vehicle(options.files);
+  }
+  set_section_values("viewer", options.assignments, config);
+  return config.value;
+}
+
 std::string title_of(const std::vector<std::string>& files) {
   const std::string first = std::filesystem::path(files[0]).filename().string();
   return files.size() == 1 ? first : fmt::format("{} and {} more", first, files.size() - 1);
@@ -122,10 +134,10 @@ int run_view(int argc, char** argv) {
   options.assignments = assignments_for(kSections, options.assignments);
 
   EventLoop loop;  // before the web server's thread
-  auto config = config_of<viewer::ViewerConfig>("viewer", kProcessSections, options.config, options.assignments);
+  const bool is_map = is_map_file(options.files[0]);
+  viewer::ViewerConfig config = viewer_for(options, is_map);
   // Several viewers may run: that of a vehicle, which has the first port, and others like this one.
   if (!line.given("--config") && config.ports == 1) config.ports = 20;
-  const bool is_map = is_map_file(options.files[0]);
   if (is_map && options.files.size() > 1) throw std::runtime_error("one map at a time");
 
   LocalBus bus;

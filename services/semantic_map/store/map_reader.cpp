@@ -50,11 +50,27 @@ MapReader::MapReader(const std::string& path) : path_(path) {
     throw MapStoreError(fmt::format("{}: cannot be read: {}", path, std::generic_category().message(errno)));
   for_file(path, [&] {
     db_ = std::make_unique<SQLite::Database>(path, SQLite::OPEN_READONLY, kBusyTimeout);
-    check_identity(*db_, path);
+    try {
+      check_identity(*db_, path);
+    } catch (const SQLite::Exception& error) {
+      // SQLite needs a -shm file beside a map with a -wal file.
+      if (error.getErrorCode() != SQLITE_CANTOPEN && error.getErrorCode() != SQLITE_READONLY) throw;
+      throw MapStoreError(
+          fmt::format("{}: its drive has not ended: copy it and {}-wal into a folder that can be written", path,
+                      std::filesystem::path(path).filename().string()));
+    }
   });
 }
 
 MapReader::~MapReader() = default;
+
+MapReader::Moment::Moment(const MapReader& reader) : reader_(reader) {
+  for_file(reader_.path_, [&] { reader_.db_->exec("BEGIN"); });
+}
+
+MapReader::Moment::~Moment() {
+  (void)reader_.db_->tryExec("COMMIT");
+}
 
 std::int32_t MapReader::schema() const {
   return for_file(path_, [&] { return static_cast<std::int32_t>(integer(*db_, "PRAGMA user_version")); });

@@ -53,6 +53,19 @@ class MapReader {
   explicit MapReader(const std::string& path);
   ~MapReader();
 
+  /// While it lives, all reads of the reader see the file as it was at the first of them, whatever a service writes
+  /// meanwhile: tiles and curbs of one moment, and of one drive. The writer's journal grows for so long.
+  class Moment {
+   public:
+    explicit Moment(const MapReader& reader);
+    ~Moment();
+    Moment(const Moment&) = delete;
+    Moment& operator=(const Moment&) = delete;
+
+   private:
+    const MapReader& reader_;
+  };
+
   /// Schema of the file: 1 .. kMapSchemaVersion.
   [[nodiscard]] std::int32_t schema() const;
   [[nodiscard]] std::int32_t epoch() const;

@@ -128,6 +128,15 @@ TEST_F(LocalizerOnAYard, ATileThatIsGoneInMidDriveIsCountedAndTheDriveGoesOn) {
   EXPECT_EQ(node_->report().counters["map.unreadable_tiles"], 1);
 }
 
+/// By default semantic_map writes the file that the localizer reads. The poses would be in the frame of the new drive.
+TEST_F(LocalizerOnAYard, AnotherDriveThatBeginsInTheFileIsNotTheSavedMap) {
+  begin();
+  MapStore(config_.map).write({.clear = true, .epoch = 8, .tiles = test_yard::map_of(yard_)});
+  drive_until(40);
+  EXPECT_TRUE(lost());
+  EXPECT_THAT(node_->report().faults, Contains(HasSubstr("map.db: another drive has begun in this file")));
+}
+
 TEST_F(LocalizerOnAYard, RefusesAMapThatIsMissingEmptyOrNone) {
   config_.map = (folder_ / "nowhere.db").string();
   EXPECT_THROW(begin(), MapStoreError);

@@ -1,7 +1,9 @@
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/io/pcd_io.h>
 #include <pcl/io/ply_io.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <curbstone/map_points_t.hpp>
 
 #include "common/log/log_writer.hpp"
@@ -79,6 +81,20 @@ TEST_F(Cloud, ComesBackThroughPclAsPcdAndPly) {
   EXPECT_THAT(read("cloud.pcd"), ElementsAre(row(0), row(1), row(2)));
   ASSERT_EQ(run({"--only", "cloud", "--log", path("log"), "--cloud-format", "ply"}), 0);
   EXPECT_THAT(read("cloud.ply"), ElementsAre(row(0), row(1), row(2)));
+}
+
+TEST_F(Cloud, OnAFullDiskIsAnErrorAndNoFile) {
+  write_log({points(0, 100)});
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit full{1000, before.rlim_max};
+  for (const std::string format : {"pcd", "ply"}) {
+    setrlimit(RLIMIT_FSIZE, &full);
+    EXPECT_ANY_THROW(run({"--only", "cloud", "--log", path("log"), "--cloud-format", format})) << format;
+    setrlimit(RLIMIT_FSIZE, &before);
+    EXPECT_FALSE(std::filesystem::exists(out("cloud." + format)));
+  }
 }
 
 TEST_F(Cloud, TakesRepeatedLateAndOverlappingPiecesOnceAndCountsWhatIsMissing) {

@@ -105,6 +105,14 @@ TEST_F(CurbsFile, Lanelet2HasTheCurbsAsGdalReadsThem) {
   EXPECT_NEAR((vertices[0][0] - 8.416) * 73'151, std::sin(a) - 2 * std::cos(a), 0.02);
 }
 
+/// Lanelet2 takes a node without them for one at latitude 0, longitude 0, and says nothing.
+TEST_F(CurbsFile, SaysThatTheNodesHaveNoLatitude) {
+  ASSERT_EQ(run({"--only", "curbs"}), 0);
+  EXPECT_THAT(said_, HasSubstr("no lat, lon in the .osm files"));
+  ASSERT_EQ(run({"--only", "curbs", "--datum", "49,8"}), 0);
+  EXPECT_THAT(said_, ::testing::Not(HasSubstr("no lat, lon")));
+}
+
 TEST_F(CurbsFile, WithoutADatumThereAreLocalCoordinatesOnly) {
   ASSERT_EQ(run({"--only", "curbs"}), 0);
   const std::string osm = text_of(out("curbs.osm"));

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <curbstone/imu_t.hpp>
+#include <curbstone/service_config_t.hpp>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -39,6 +40,11 @@ class LogToolTest : public ::testing::Test {
       if (i % 10 == 0) log.write("WHEELS", "12345678abcd", 12, imu.utime);
     }
     return path(name);
+  }
+
+  /// As a process publishes how it is configured.
+  static void write_config(LogWriter& log, const std::string& section, const std::string& yaml, std::int64_t utime) {
+    write(log, "CONFIG", service_config_t{utime, section, section, "ugv", "0.0.1", yaml});
   }
 
   int run(std::vector<std::string> arguments) {

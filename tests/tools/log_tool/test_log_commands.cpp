@@ -27,6 +27,30 @@ TEST_F(LogCommands, WhatIsCutAndJoinedAgainIsTheSameToTheByte) {
   EXPECT_EQ(bytes_of(path("again.lcmlog")), bytes_of(whole));
 }
 
+/// Its replay would else be that of a vehicle with the default values.
+TEST_F(LogCommands, APartBeginsWithTheConfigurationsFromBeforeIt) {
+  {
+    LogWriter log(path("whole.lcmlog"));
+    for (const char* yaml : {"mapper:\n  vehicle:\n    height: 1.5\n", "mapper:\n  vehicle:\n    height: 1.6\n"})
+      write_config(log, "mapper", yaml, kBegin);
+    write_config(log, "ekf", "ekf:\n", kBegin);
+    for (int i = 0; i < 100; ++i) log.write("IMU", "12345678abcd", 12, kBegin + i * 100'000);
+    write_config(log, "mapper", "mapper:\n  vehicle:\n    height: 1.7\n", kBegin + 10'000'000);
+  }
+  EXPECT_EQ(run({"cut", path("whole.lcmlog"), "--from", "2", "--to", "5", "--out", path("part.lcmlog")}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("30 of 104 messages"));
+  const std::vector<LogEvent> events = events_of(path("part.lcmlog"));
+  ASSERT_EQ(events.size(), 32U);
+  EXPECT_EQ(events[0].channel, "CONFIG");
+  EXPECT_EQ(events[1].channel, "CONFIG");
+  EXPECT_EQ(events[1].log_utime, kBegin + 2'000'000) << "the part begins where it was told to";
+  const std::string newest(events[1].bytes.begin(), events[1].bytes.end());
+  EXPECT_THAT(newest, HasSubstr("height: 1.6")) << "of what was published before";
+
+  EXPECT_EQ(run({"cut", path("whole.lcmlog"), "--to", "5", "--out", path("head.lcmlog")}), 0) << err_;
+  EXPECT_EQ(events_of(path("head.lcmlog")).size(), 3U + 50U) << "those that it has are not repeated";
+}
+
 TEST_F(LogCommands, RepairOfAWholeLogIsTheSameToTheByte) {
   const std::string whole = drive("whole.lcmlog");
   EXPECT_EQ(run({"repair", whole, "--out", path("same.lcmlog")}), 0) << err_;

@@ -2,6 +2,7 @@
 
 #include <curbstone/lidar_points_t.hpp>
 #include <curbstone/map_pose_t.hpp>
+#include <curbstone/map_trajectory_t.hpp>
 #include <filesystem>
 
 #include "tests/tools/log_tool/logged.hpp"
@@ -15,8 +16,9 @@ using ::testing::StartsWith;
 class LogTables : public LogToolTest {
  protected:
   /// Three revolutions of two packets with two points each, and a vehicle that drives at 1 m/s along x.
-  std::string points(const std::string& name, bool with_poses) const {
+  std::string points(const std::string& name, bool with_poses, const std::string& mapper = "") const {
     LogWriter log(path(name));
+    if (!mapper.empty()) write_config(log, "mapper", mapper, kBegin);
     for (int i = 0; i < 6; ++i) {
       lidar_points_t message{};
       message.utime = kBegin + i * 50'000;
@@ -101,6 +103,57 @@ TEST_F(LogTables, MergedScansStandWhereTheVehicleWas) {
   EXPECT_NEAR(values[6 + 0], 2 + 0.01, 1e-5) << "10 ms after the first pose at 1 m/s";
   EXPECT_EQ(values[6 + 1], 4);
   EXPECT_EQ(values[6 + 2], 6 + 2) << "the LiDAR's height";
+}
+
+/// A closed loop moves the drive so far; MAP_POSE of before is void.
+TEST_F(LogTables, MergedScansStandWhereTheLastEpochHasTheDrive) {
+  {
+    LogWriter log(path("poses.lcmlog"));
+    lidar_points_t scan{};
+    map_pose_t pose{};
+    map_trajectory_t corrected{};
+    pose.map_base_orientation[0] = pose.map_odom_orientation[0] = 1;
+    for (int i = 0; i <= 40; ++i) {
+      scan.utime = pose.utime = kBegin + i * 100'000;
+      scan.revolution = i;
+      scan.num_points = 1;
+      scan.x = {1};
+      scan.y = scan.z = scan.time_offset = {0};
+      scan.intensity = scan.ring = {1};
+      write(log, "LIDAR_POINTS", scan);
+      pose.epoch = i < 40 ? 1 : 2;
+      pose.map_base_position[0] = i < 40 ? 0.1 * std::max(i - 20, 0) : 7;  // stands for 2 s
+      if (i == 40) {
+        corrected.utime = pose.utime;
+        corrected.epoch = 2;
+        corrected.num_pages = 1;
+        for (int k : {0, 21, 25, 30, 35, 39}) {
+          corrected.utimes.push_back(kBegin + k * 100'000);
+          corrected.revolutions.push_back(k);
+          corrected.positions.push_back({5 + 0.1F * static_cast<float>(std::max(k - 20, 0)), 0, 0});
+          corrected.orientations.push_back({1, 0, 0, 0});
+        }
+        corrected.num_poses = static_cast<std::int32_t>(corrected.utimes.size());
+        write(log, "MAP_TRAJECTORY", corrected, pose.utime);
+      }
+      write(log, "MAP_POSE", pose);
+    }
+  }
+  EXPECT_EQ(run({"pcd", path("poses.lcmlog"), "--merged", "--out", path("all.pcd")}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("41 points in map, 0 without a pose left out"));
+  const std::vector<float> values = floats_of(path("all.pcd"));
+  ASSERT_EQ(values.size(), 41 * 6U);
+  EXPECT_NEAR(values[10 * 6], 1 + 5, 0.06) << "while it stood";
+  EXPECT_NEAR(values[33 * 6], 1 + 5 + 1.3, 1e-4) << "corrected";
+}
+
+TEST_F(LogTables, MergedScansStandWhereTheRecordedVehicleHadItsLidar) {
+  const std::string log = points("poses.lcmlog", true, "mapper:\n  vehicle:\n    lidar: [0, 0, 0.5, 0, 0, 0]\n");
+  EXPECT_EQ(run({"pcd", log, "--merged", "--out", path("all.pcd")}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("T_base_lidar: [0, 0, 0.5, 0, 0, 0]"));
+  EXPECT_EQ(floats_of(path("all.pcd"))[6 + 2], 6 + 0.5);
+  EXPECT_EQ(run({"pcd", log, "--merged", "--lidar", "0,0,2,0,0,0", "--out", path("all.pcd"), "--force"}), 0) << err_;
+  EXPECT_EQ(floats_of(path("all.pcd"))[6 + 2], 6 + 2) << "what the user says holds";
 }
 
 }  // namespace

@@ -76,6 +76,31 @@ TEST_F(PlayTest, ACallerWhoWasHeldUpGetsNoBurst) {
   EXPECT_THAT(take(), ElementsAre(0, 1));
 }
 
+TEST_F(PlayTest, FollowsAClockThatWasSetAndGoesOnWhereNothingWasRecorded) {
+  {
+    LogWriter log(file_);
+    imu_t message{};
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+    for (int i = 0; i < 12; ++i) {
+      message.utime = kStart + i * 100'000;
+      message.sequence = i;
+      message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+      const std::int64_t clock = i < 4 ? 0 : i < 8 ? 50 * 31'536'000'000'000 : -3'600'000'000;  // 50 years; an hour
+      log.write("IMU", bytes.data(), static_cast<int>(bytes.size()), message.utime + clock);
+    }
+  }
+  Player player = this->player();
+  std::vector<int> heard;
+  for (std::int64_t now = 0; now < 1'500'000 && !player.at_end(); now += 100'000) {
+    player.advance(now);
+    const std::vector<int> more = take();
+    EXPECT_LE(more.size(), 2U) << "no burst";
+    heard.insert(heard.end(), more.begin(), more.end());
+  }
+  EXPECT_TRUE(player.at_end());
+  EXPECT_EQ(heard.size(), 12U);
+}
+
 TEST_F(PlayTest, KeysPauseStepLeapAndChangeTheSpeed) {
   Player player = this->player();
   player.advance(0);

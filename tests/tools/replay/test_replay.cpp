@@ -188,6 +188,10 @@ TEST_F(ReplayOnThreads, LeavesTheDenseMapOfTheVehicleAlone) {
   EXPECT_FALSE(std::filesystem::exists(site)) << "it is the drive's, not the replay's";
   (void)replay("1", "mapper.folder=" + site);
   EXPECT_TRUE(std::filesystem::exists(site)) << "the user names it";
+  std::filesystem::remove_all(site);
+  std::ofstream(folder_ / "ugv.yaml") << "mapper:\n  folder: " << site << "\n";
+  EXPECT_EQ(run(run_replay, {"replay", log_, "--map", folder_ / "map.db", "--config", folder_ / "ugv.yaml"}), 0);
+  EXPECT_FALSE(std::filesystem::exists(site)) << "the file is the vehicle's";
 
   record_mapper("mapper:\n  folder: " + site + "\n  mode: extend\n");
   testing::internal::CaptureStderr();

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <curbstone/imu_t.hpp>
+#include <curbstone/service_config_t.hpp>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -231,6 +232,16 @@ TEST_F(DriveTest, GoesToAPlaceWithAllThatWasSaidOnTheWayAlsoWhilePaused) {
   pass(drive, 1'000'000);
   EXPECT_TRUE(drive.at_end());
   EXPECT_EQ(heard_.size(), 10U);
+}
+
+TEST_F(DriveTest, IsThatOfTheVehicleThatRecordedIt) {
+  record();
+  EXPECT_EQ(recorded_vehicle({file_}).length, VehicleConfig{}.length);
+  LogWriter log(file_);
+  write(log, "CONFIG", service_config_t{kBegin, "ekf", "ekf", "ugv", "0.0.1", "ekf:\n  vehicle:\n    length: 4.4\n"},
+        kBegin);
+  log.flush();
+  EXPECT_EQ(recorded_vehicle({file_}).length, 4.4);
 }
 
 TEST_F(DriveTest, OfALogOfSensorsTheNodesMakeTheMap) {

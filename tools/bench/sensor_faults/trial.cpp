@@ -128,7 +128,7 @@ MapFigures figures_of(const std::string& file, const evaluate::truth::Truth& tru
 TrueDrive::TrueDrive(std::string log_file, const std::string& truth_folder)
     : log(std::move(log_file)), truth(evaluate::truth::load_truth(truth_folder)) {
   LogFiles head({log});
-  recorded = replay::recorded_config(head);
+  recorded = recording::recorded_config(head);
 }
 
 Outcome try_fault(const TrueDrive& drive, const catalogue::Fault& fault, const std::string& folder) {

@@ -6,7 +6,7 @@
 #include "tools/bench/sensor_faults/catalogue/fault.hpp"
 #include "tools/bench/sensor_faults/witness.hpp"
 #include "tools/evaluate/truth/truth.hpp"
-#include "tools/replay/recorded_config.hpp"
+#include "tools/recording/recorded_config.hpp"
 
 namespace curbstone::bench::sensor_faults {
 
@@ -14,7 +14,7 @@ namespace curbstone::bench::sensor_faults {
 struct TrueDrive {
   std::string log;
   evaluate::truth::Truth truth;
-  replay::RecordedConfig recorded;  ///< what the log was recorded with; empty: the defaults
+  recording::RecordedConfig recorded;  ///< what the log was recorded with; empty: the defaults
 
   /// Reads the truth's folder and the head of the log. Throws std::runtime_error.
   TrueDrive(std::string log_file, const std::string& truth_folder);

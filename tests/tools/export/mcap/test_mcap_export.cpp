@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <curbstone/service_config_t.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -205,6 +206,31 @@ TEST_F(McapExport, HoldsTheMessagesOfTheLogWithTheirTypes) {
     const bool is_ours = channel.topic != "OURS_NOT" && channel.topic != "SHORT";
     EXPECT_EQ(channel.schema != 0, is_ours) << channel.topic;
   }
+}
+
+TEST_F(McapExport, HasTheLidarWhereTheRecordedVehicleHadIt) {
+  const auto height = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"--only", "mcap"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(run(arguments), 0) << said_;
+    const auto tree = last<::foxglove::FrameTransforms>(exported(), "/tf");
+    for (const auto& transform : tree.transforms()) {
+      if (transform.child_frame_id() == "lidar") return transform.translation().z();
+    }
+    return 0.0;
+  };
+  curbstone::test::write_shown_log(path("drive"), 2);
+  {
+    LogWriter log(path("log"));
+    const service_config_t config{1,     "mapper", "mapper",
+                                  "ugv", "0.0.1",  "mapper:\n  vehicle:\n    lidar: [0, 0, 0.9, 0, 0, 0]\n"};
+    curbstone::test::append(log, "CONFIG", config, curbstone::test::kLogBegin);
+  }
+  std::ofstream(path("log"), std::ios::binary | std::ios::app)
+      << std::ifstream(path("drive"), std::ios::binary).rdbuf();
+  EXPECT_NEAR(height({}), 0.9, 1e-9);
+  std::ofstream(path("ugv.yaml")) << "vehicle:\n  lidar: [0, 0, 1.2, 0, 0, 0]\n";
+  EXPECT_NEAR(height({"--config", path("ugv.yaml")}), 1.2, 1e-9);
 }
 
 TEST_F(McapExport, IsSmallerWithoutTheLogsOwnMessages) {
