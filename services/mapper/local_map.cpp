@@ -6,7 +6,7 @@ namespace curbstone::mapper {
 
 void LocalMap::follow(const Eigen::Vector3d& position) {
   if (tracker_.forget_far()) atlas_.forget_far(position, tracker_.window());
-  for (const int id : atlas_.take_returning(position, tracker_.window())) tracker_.recall(atlas_.node(id));
+  for (const int id : atlas_.take_returning(position, tracker_.window())) tracker_.insert_keyframe(atlas_.node(id));
 }
 
 void LocalMap::leave() {

@@ -226,7 +226,7 @@ std::optional<dense_map::DenseWork::FreeSpaceRemoval> Mapper::removal_after(cons
                                                                             std::int64_t utime) const {
   if (!earlier) return std::nullopt;
   const double dt = scan::seconds(earlier->utime, utime);
-  if (!(dt > 0 && dt < kLongestStep)) return std::nullopt;
+  if (!(dt > 0 && dt < kMaxScanInterval)) return std::nullopt;
   dense_map::DenseWork::FreeSpaceRemoval removal;
   removal.motion = scan::twist_of(earlier->T_map_base.inverse() * T_map_base, dt);
   removal.present.reserve(static_cast<std::size_t>(atlas_.size()));

@@ -187,7 +187,7 @@ class Mapper {
   [[nodiscard]] std::optional<dense_map::DenseWork::FreeSpaceRemoval> removal_after(
       const std::optional<Earlier>& earlier, const Pose& T_map_base, std::int64_t utime) const;
 
-  static constexpr double kLongestStep = 0.3;  // s between scans from which the motion is computed
+  static constexpr double kMaxScanInterval = 0.3;  // s between scans from which the motion is computed
 
   config::MapperConfig config_;
   moving_objects::CoMovingObjects co_moving_;

@@ -65,7 +65,8 @@ void Mapper::load(const storage::SavedMap& map) {
 
 void Mapper::resume(journal::RecordedDrive drive) {
   resumed_pose_ = drive.poses.back();
-  if (drive.poses.size() > 1) resumed_twist_ = motion_between(*(drive.poses.end() - 2), *resumed_pose_, kLongestStep);
+  if (drive.poses.size() > 1)
+    resumed_twist_ = motion_between(*(drive.poses.end() - 2), *resumed_pose_, kMaxScanInterval);
   scale_.restore(std::move(drive.rings));
   const auto num_known = static_cast<std::size_t>(drive.num_known);
   for (std::size_t i = 0; i < drive.nodes.size(); ++i) {
@@ -108,7 +109,7 @@ void Mapper::resume_at(const journal::RecordedPose& last, const scan::Scan& scan
     if (path < reach) return go_on(scan.start, T_map_base, path);  // else the odom frame is a new one
   }
   const double stride = scan::seconds(last.utime, scan.end);
-  if (stride > 0 && stride < kLongestStep) return go_on(last.utime, last.T_map_base, 0);
+  if (stride > 0 && stride < kMaxScanInterval) return go_on(last.utime, last.T_map_base, 0);
   Pose T_map_start = upright(was_at.x(), was_at.y(), roll_pitch_yaw(last.T_map_base.linear()).z());
   T_map_start.translation().z() = was_at.z();
   tracker_.begin_at(T_map_start, reach);

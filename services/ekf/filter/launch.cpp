@@ -56,7 +56,7 @@ Launch::Launch(const base::EkfConfig& config, const model::Geometry& geometry, c
 
 bool Launch::advance(std::int64_t utime, const model::TimedInertial* next) {
   if (next == nullptr || !mechanisation_.imu_at_hand(next->utime)) return false;
-  if (jolted_ || base::seconds_between(begin_, utime) > kLongest) return false;
+  if (jolted_ || base::seconds_between(begin_, utime) > kMaxDuration) return false;
   mechanisation_.advance(belief_, utime, next, false);
   return true;
 }

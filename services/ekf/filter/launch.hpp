@@ -24,14 +24,14 @@ namespace curbstone::ekf::filter {
 /// Pure; one thread.
 class Launch {
  public:
-  static constexpr double kLongest = 6.0;  ///< s; after that the filter knows more than the IMU alone
+  static constexpr double kMaxDuration = 6.0;  ///< s; after that the filter knows more than the IMU alone
 
   /// Starts from the belief at the standstill, at the time of the IMU sample `last`.
   Launch(const base::EkfConfig& config, const model::Geometry& geometry, const model::Belief& belief,
          const model::TimedInertial& last);
 
   /// As Mechanisation::advance(). Returns false where the comparison has ended, because the IMU had a gap or a jolt, or
-  /// kLongest has passed.
+  /// kMaxDuration has passed.
   [[nodiscard]] bool advance(std::int64_t utime, const model::TimedInertial* next);
   void set_last_imu(const model::TimedInertial& sample) { mechanisation_.set_last_imu(sample); }
 

@@ -8,9 +8,9 @@ namespace curbstone::ekf::inputs {
 
 namespace {
 
-constexpr double kLongest = 2.0;   // s: beyond it the errors are no longer those of the present
-constexpr double kNoWeight = 1e6;  // m^2 or rad^2
-constexpr double kMaxSigma = 1.0;  // m or rad: beyond it the mapper itself is uncertain
+constexpr double kMaxBaseline = 2.0;  // s: beyond it the errors are no longer those of the present
+constexpr double kNoWeight = 1e6;     // m^2 or rad^2
+constexpr double kMaxSigma = 1.0;     // m or rad: beyond it the mapper itself is uncertain
 
 PoseCovariance in_map(const map_pose_t& message) {
   PoseCovariance out;
@@ -52,7 +52,7 @@ std::optional<MapIncrement> MapIncrements::add(const map_pose_t& message) {
   if (last_ && last_->epoch != message.epoch) counters_.add("map.epochs");
   const Last now{message.utime, message.epoch, T_map_base, covariance_of(message, T_map_base, config_)};
   const double elapsed = last_ ? base::seconds_between(last_->utime, now.utime) : 0.0;
-  const bool follows = last_ && last_->epoch == now.epoch && elapsed > 0.0 && elapsed <= kLongest;
+  const bool follows = last_ && last_->epoch == now.epoch && elapsed > 0.0 && elapsed <= kMaxBaseline;
   if (!follows) {
     last_ = now;
     return std::nullopt;

@@ -10,7 +10,7 @@ constexpr double kStampSlack = 0.02;       // s: a late stamp makes the next dif
 constexpr double kJitters = 40.0;          // minimum interval in sigmas of its stamps: 3.5 % of the speed
 constexpr double kMaxAcceleration = 15.0;  // m/s^2, of a wheel on the ground
 constexpr double kFits = 4.0;              // sigmas by which two consecutive speeds may differ in addition
-constexpr double kLongestInterval = 0.2;   // s, upper bound of that: slip lasts little longer
+constexpr double kMaxInterval = 0.2;       // s, upper bound of that: slip lasts little longer
 }  // namespace
 
 double wheel_sigma(const base::WheelsConfig& config, const WheelInterval& interval, double wheel_radius,
@@ -69,7 +69,7 @@ bool WheelOdometer::fits_first(const base::WheelSample& third) const {
 }
 
 double WheelOdometer::min_duration() const {
-  return std::max(config_.interval, std::min(kJitters * jitter_.sigma(), kLongestInterval));
+  return std::max(config_.interval, std::min(kJitters * jitter_.sigma(), kMaxInterval));
 }
 
 void WheelOdometer::reset() {

@@ -12,7 +12,7 @@ namespace curbstone::ekf::mounting {
 namespace {
 
 constexpr double kInterval = 0.2;      // s: counter steps are small against the motion in it
-constexpr double kLongest = 0.5;       // s, of an interval: if it is longer, samples are missing
+constexpr double kMaxInterval = 0.5;   // s, of an interval: if it is longer, samples are missing
 constexpr int kMinSamples = 3;         // IMU samples in an interval
 constexpr double kFirstGravity = 2.0;  // s after which the direction of gravity is judged
 constexpr double kMinForce = 7.0;      // m/s^2: no road reduces it further for seconds
@@ -56,7 +56,7 @@ void MountingWatch::add(const base::ImuSample& sample) {
   ++imu_samples_;
   force_sum_ += force;
   rate_sum_ += R_base_imu_ * sample.angular_rate;
-  if (dt <= 0.0 || dt > kLongest) return;
+  if (dt <= 0.0 || dt > kMaxInterval) return;
   gravity_seconds_ = std::min(gravity_seconds_ + dt, kGravityMemory);
   gravity_ += dt / gravity_seconds_ * (force - gravity_);
   if (gravity_seconds_ >= kFirstGravity) tilted_ = gravity_points_aside();
@@ -72,10 +72,10 @@ void MountingWatch::restart_interval(const base::WheelSample& sample) {
 
 void MountingWatch::add(const base::WheelSample& sample) {
   if (const auto start = setting_off_.add(sample)) note_start(*start);
-  const double seconds = begin_ ? base::seconds_between(begin_->utime, sample.utime) : -kLongest;
-  if (seconds < 0.0 && seconds > -kLongest) return;
+  const double seconds = begin_ ? base::seconds_between(begin_->utime, sample.utime) : -kMaxInterval;
+  if (seconds < 0.0 && seconds > -kMaxInterval) return;
   if (seconds >= 0.0 && seconds < kInterval) return;
-  if (seconds < 0.0 || seconds > kLongest || imu_samples_ < kMinSamples) {
+  if (seconds < 0.0 || seconds > kMaxInterval || imu_samples_ < kMinSamples) {
     before_.reset();
     return restart_interval(sample);
   }

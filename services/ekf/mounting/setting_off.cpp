@@ -106,7 +106,7 @@ std::optional<SettingOff::Start> SettingOff::judge(const base::WheelSample& samp
   const double right = radius_ * (sample.angle[1] - still_since_->angle[1]);
   const double travel = 0.5 * std::abs(left + right);
   const bool one_spins = std::max(std::abs(left), std::abs(right)) > 4.0 * kTravel;
-  if (one_spins || base::seconds_between(began_, sample.utime) > kLongest) {
+  if (one_spins || base::seconds_between(began_, sample.utime) > kMaxDuration) {
     roll(sample);
   } else if (travel >= kTravel && !first_) {
     first_ = measured(left, right);

@@ -18,17 +18,17 @@ namespace curbstone::ekf::mounting {
 /// (tests SettingOff): slopes and the tilt of a vehicle that sets off do not matter, as the gyro shows them.
 ///
 /// It is measured after kTravel and after twice that. Not judged: a start in which both differ by kUneven, in which the
-/// IMU shakes too hard (kMaxSigma), that takes longer than kLongest, after less than kRest of rest, with a gap, with
-/// ways of another length, or where the wheels turn otherwise than the gyro (a wheel slips, or is wrong).
+/// IMU shakes too hard (kMaxSigma), that takes longer than kMaxDuration, after less than kRest of rest, with a gap,
+/// with ways of another length, or where the wheels turn otherwise than the gyro (a wheel slips, or is wrong).
 ///
 /// A value type; one thread. Samples in the order of their stamps, base_link's axes as configured.
 class SettingOff {
  public:
-  static constexpr double kRest = 1.0;       ///< s
-  static constexpr double kLongest = 5.0;    ///< s
-  static constexpr double kTravel = 0.3;     ///< m
-  static constexpr double kUneven = 0.1;     ///< rad
-  static constexpr double kMaxSigma = 0.05;  ///< rad, by the accelerometer's white noise
+  static constexpr double kRest = 1.0;         ///< s
+  static constexpr double kMaxDuration = 5.0;  ///< s
+  static constexpr double kTravel = 0.3;       ///< m
+  static constexpr double kUneven = 0.1;       ///< rad
+  static constexpr double kMaxSigma = 0.05;    ///< rad, by the accelerometer's white noise
 
   struct Start {
     double yaw = 0.0;    ///< rad, -pi to pi, correction to vehicle.imu's; about pi: or the wheels count backwards

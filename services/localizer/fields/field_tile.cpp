@@ -15,7 +15,7 @@ using semantic_map::tile::MapTile;
 constexpr int kPatch = 2;     // cells in each direction that determine the direction of an upright piece: 0.6 m square
 constexpr int kMinHits = 2;   // of the dense map: the inside of a vehicle's outline was never seen
 constexpr int kMaxHits = 20;  // more hits do not make the position of a tall wall more certain
-constexpr float kLineShare = 0.15F;  // minor over major spread of a line, at most
+constexpr float kLineShare = 0.15F;  // minor over major variance of a line, at most
 constexpr int kMargin = FieldTile::kReach + kPatch;
 
 /// A cell of the tile or of a neighbouring tile.

@@ -86,9 +86,9 @@ DenseTile::DenseTile(std::int32_t z_origin, int voxel_steps)
 }
 
 void DenseTile::append_record(const TilePoint& record, std::int64_t utime, std::int32_t anchor) {
-  constexpr std::int64_t kLongestRun = 1'000'000;  // us: resolution of truncate_after()
+  constexpr std::int64_t kMaxRun = 1'000'000;  // us: resolution of truncate_after()
   std::vector<Run>& runs = content_.runs;
-  if (runs.empty() || runs.back().anchor != anchor || std::abs(utime - runs.back().utime) > kLongestRun) {
+  if (runs.empty() || runs.back().anchor != anchor || std::abs(utime - runs.back().utime) > kMaxRun) {
     runs.push_back({anchor, static_cast<std::int32_t>(content_.records.size()), utime});
     newest_run_ = std::max(newest_run_, utime);
   }

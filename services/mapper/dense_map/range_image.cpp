@@ -9,7 +9,7 @@ namespace {
 
 constexpr float kBeside = 0.08F;   // m: largest vertical distance of a place from a beam that can pass through it
 constexpr float kOutside = 0.01F;  // m: tolerance on the other side, for noise
-constexpr float kNearest = 1.0F;   // m: closer returns are of the vehicle itself
+constexpr float kMinRange = 1.0F;  // m: closer returns are of the vehicle itself
 
 /// A monotone substitute for the angle, 0 .. 4, from +x towards +y: half the cost of std::atan2, and even enough.
 float quadrant_angle(float x, float y) {
@@ -44,7 +44,7 @@ RangeImage::RangeImage(const std::vector<scan::LidarPoint>& points, const Pose& 
     const float age = end - p.time;
     const Eigen::Vector3f d = to_lidar * p.position - origin + age * velocity_;
     const float range = std::sqrt(d.x() * d.x() + d.y() * d.y());
-    if (!(range > kNearest * 0.5F)) continue;
+    if (!(range > kMinRange * 0.5F)) continue;
     const float slope = d.z() / range;
     sum[p.ring] += slope;
     ++count[p.ring];
@@ -65,7 +65,7 @@ Occupancy RangeImage::classify(const Eigen::Vector3f& place, const Margins& marg
   const auto age = static_cast<std::size_t>(azimuth_of(place.x(), place.y()));
   const Eigen::Vector3f d = place + ages_[age] * velocity_;
   const float range = std::sqrt(d.x() * d.x() + d.y() * d.y());
-  if (!(range > kNearest)) return Occupancy::kUnknown;
+  if (!(range > kMinRange)) return Occupancy::kUnknown;
   const float slope = d.z() / range;
   const float inside = slope < 0 ? 1.0F : -1.0F;
   const int azimuth = azimuth_of(d.x(), d.y());

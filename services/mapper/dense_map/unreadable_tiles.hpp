@@ -15,7 +15,7 @@ namespace curbstone::mapper::dense_map {
 class UnreadableTiles {
  public:
   /// A tile could not be read. `now`: us.
-  void add(TileKey key, std::int64_t now) { tiles_.try_emplace(key, Wait{now, kShortest}); }
+  void add(TileKey key, std::int64_t now) { tiles_.try_emplace(key, Wait{now, kMinWait}); }
   /// The tile was read, or is not needed any more.
   void remove(TileKey key) {
     if (!tiles_.empty()) tiles_.erase(key);
@@ -28,7 +28,7 @@ class UnreadableTiles {
     std::vector<TileKey> due;
     for (auto& [key, wait] : tiles_) {
       if (now >= wait.since && now - wait.since < wait.length) continue;
-      wait = {now, std::min(2 * wait.length, kLongest)};
+      wait = {now, std::min(2 * wait.length, kMaxWait)};
       due.push_back(key);
     }
     std::sort(due.begin(), due.end());
@@ -36,8 +36,8 @@ class UnreadableTiles {
   }
 
  private:
-  static constexpr std::int64_t kShortest = 1'000'000;  // us
-  static constexpr std::int64_t kLongest = 60'000'000;  // us
+  static constexpr std::int64_t kMinWait = 1'000'000;   // us
+  static constexpr std::int64_t kMaxWait = 60'000'000;  // us
   struct Wait {
     std::int64_t since;   // us
     std::int64_t length;  // us

@@ -11,14 +11,14 @@ constexpr std::int32_t kFirstTable = 10;   // scans
 constexpr std::int32_t kLastTable = 1280;  // scans
 constexpr double kStride = 0.2;            // m between scans
 constexpr float kHalfStrip = 1.2F;         // m to either side: no car parks there
-constexpr float kNearest = 3.0F;           // m ahead or behind: closer returns may be of the vehicle
-constexpr float kFarthest = 25.0F;         // m
+constexpr float kMinAhead = 3.0F;          // m ahead or behind: closer returns may be of the vehicle
+constexpr float kMaxAhead = 25.0F;         // m
 constexpr float kUneven = 0.10F;           // m above or below the vehicle's plane
 constexpr float kSlope = 0.03F;            // and per metre of distance
 
 bool is_road(const Eigen::Vector3f& p) {
   const float along = std::abs(p.x());
-  return std::abs(p.y()) < kHalfStrip && along > kNearest && along < kFarthest &&
+  return std::abs(p.y()) < kHalfStrip && along > kMinAhead && along < kMaxAhead &&
          std::abs(p.z()) < kUneven + kSlope * along;
 }
 

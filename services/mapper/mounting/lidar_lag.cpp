@@ -13,9 +13,9 @@
 namespace curbstone::mapper::mounting {
 namespace {
 
-constexpr std::int64_t kLongestTurnStep = 300'000;  // us: largest interval between revolutions whose turns are added up
+constexpr std::int64_t kMaxTurnInterval = 300'000;  // us: largest interval between revolutions whose turns are added up
 constexpr int kEstimatePeriod = 10;                 // revolutions between attempts at an estimate
-constexpr int kLongestWait = 2400;  // revolutions without an estimate, after which the correlation starts anew
+constexpr int kMaxWait = 2400;  // revolutions without an estimate, after which the correlation starts anew
 constexpr double kCorrelatedRevolutions = 10;  // consecutive revolutions that count as one: their turns overlap
 constexpr std::ptrdiff_t kArm = 3;             // steps to either side of the best one, for the curvature
 constexpr double kLagSpread = 0.015;           // s: largest half-width of the middle half of the estimates
@@ -46,7 +46,7 @@ double LidarLag::Correlation::unexplained() const {
 
 void LidarLag::add(std::int64_t utime, const Pose& T_map_base, const Pose& T_odom_base) {
   constexpr std::int64_t kKept = 2 * kMaxShift + kSpan;
-  if (!turned_.empty() && (utime <= turned_.back().utime || utime - turned_.back().utime > kLongestTurnStep))
+  if (!turned_.empty() && (utime <= turned_.back().utime || utime - turned_.back().utime > kMaxTurnInterval))
     interrupt();
   Turned turned{utime};
   if (!turned_.empty()) {
@@ -96,7 +96,7 @@ std::optional<double> LidarLag::estimate() const {
 
 void LidarLag::judge() {
   const std::optional<double> found = estimate();
-  if (found || correlations_.front().n >= kLongestWait)
+  if (found || correlations_.front().n >= kMaxWait)
     std::fill(correlations_.begin(), correlations_.end(), Correlation{});
   if (!found) return;
   estimates_.push_back(*found);

@@ -9,8 +9,8 @@
 namespace curbstone::mapper::mounting {
 namespace {
 
-constexpr double kLongestStep = 0.3;    // s: largest interval between revolutions from which the motion is computed
-constexpr double kSampleSpacing = 0.5;  // m
+constexpr double kMaxScanInterval = 0.3;  // s: largest interval between revolutions from which the motion is computed
+constexpr double kSampleSpacing = 0.5;    // m
 constexpr double kMaxLateralAcceleration = 0.5;  // m/s^2: above it the vehicle leans in the bend
 constexpr double kMirrored = -0.5;               // LiDAR's turn divided by odometry's
 
@@ -33,7 +33,7 @@ void LidarMounting::interrupt() {
 void LidarMounting::add(const RegisteredScan& scan) {
   const double seconds = scan::seconds(utime_, scan.utime);
   const Pose moved = T_map_base_.inverse() * scan.T_map_base;
-  const bool goes_on = seconds > 0 && seconds < kLongestStep;
+  const bool goes_on = seconds > 0 && seconds < kMaxScanInterval;
   utime_ = scan.utime;
   T_map_base_ = scan.T_map_base;
   if (scan.T_odom_base && scan.is_fully_constrained)

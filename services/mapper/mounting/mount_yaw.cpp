@@ -12,13 +12,13 @@ namespace {
 
 constexpr std::size_t kScanOffset = 2;  // scans: one during which it turns agrees neither with the one before nor after
 constexpr int kMinStillScans = 3;       // still scans in a row: where a swing turns back, one or two look so
-constexpr double kMaxResidualRatio = 0.9;        // of the residual without a turn, at most
-constexpr std::int64_t kLongestPause = 300'000;  // us
-constexpr std::int64_t kPatience = 500'000;      // us until it must be still
-constexpr double kUsualGrowth = 1.01;            // of the usual residual, a scan
-constexpr std::int64_t kCreepSpan = 1'000'000;   // us: a turn is gradual if before it,
-constexpr double kCreep = 3 * MountYaw::kTurn;   // it already turned by this much
-constexpr std::int64_t kShakeSpan = 3'000'000;   // us: kShakeTurns turns within it are a shake,
+constexpr double kMaxResidualRatio = 0.9;       // of the residual without a turn, at most
+constexpr std::int64_t kMaxPause = 300'000;     // us
+constexpr std::int64_t kPatience = 500'000;     // us until it must be still
+constexpr double kUsualGrowth = 1.01;           // of the usual residual, a scan
+constexpr std::int64_t kCreepSpan = 1'000'000;  // us: a turn is gradual if before it,
+constexpr double kCreep = 3 * MountYaw::kTurn;  // it already turned by this much
+constexpr std::int64_t kShakeSpan = 3'000'000;  // us: kShakeTurns turns within it are a shake,
 constexpr std::size_t kShakeTurns = 4;
 constexpr std::int64_t kMinQuietTime = 2'000'000;  // us in which it is still: it shakes no more
 
@@ -33,7 +33,7 @@ bool is_turn(const AzimuthProfile::Turn& turn) {
 }  // namespace
 
 MountYaw::Result MountYaw::add(const Observation& look) {
-  if (look.utime <= utime_ || look.utime - utime_ > kLongestPause) interrupt();
+  if (look.utime <= utime_ || look.utime - utime_ > kMaxPause) interrupt();
   utime_ = look.utime;
   const UprightPoints upright(*look.points, lidar_);
   earlier_.push_back({look.T_odom_base, AzimuthProfile(upright, Pose::Identity())});
@@ -77,7 +77,7 @@ MountYaw::Result MountYaw::as_before() const {
 }
 
 MountYaw::Comparison MountYaw::note(const AzimuthProfile::Turn& turn) {
-  const Comparison scan{is_turn(turn), std::abs(turn.angle) < 0.5 * kTurn, crept() > kCreep};
+  const Comparison scan{is_turn(turn), std::abs(turn.angle) < 0.5 * kTurn, creep() > kCreep};
   creeping_.emplace_back(utime_, std::clamp(turn.angle / kScanOffset, -kTurn, kTurn));  // a leap is no creep
   if (scan.turns) turning_ = utime_;
   if (scan.still && !shakes()) usual_ = usual_ > 0 ? std::min(turn.residual, kUsualGrowth * usual_) : turn.residual;
@@ -87,7 +87,7 @@ MountYaw::Comparison MountYaw::note(const AzimuthProfile::Turn& turn) {
 }
 
 /// rad, the turn of the last second, without leaps.
-double MountYaw::crept() {
+double MountYaw::creep() {
   while (!creeping_.empty() && std::abs(utime_ - creeping_.front().first) > kCreepSpan) creeping_.pop_front();
   double sum = 0;
   for (const auto& [utime, angle] : creeping_) sum += angle;

@@ -85,7 +85,7 @@ class MountYaw {
   Result settle();
   [[nodiscard]] Result as_before() const;
   void interrupt();
-  [[nodiscard]] double crept();
+  [[nodiscard]] double creep();
 
   Eigen::Vector3d lidar_;
   State state_ = State::kFirm;

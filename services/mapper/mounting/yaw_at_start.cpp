@@ -33,7 +33,7 @@ std::optional<double> YawAtStart::add(std::int64_t utime, const std::vector<scan
   }
   reference_.emplace(Reference{utime, T_odom_base, {points, Pose::Identity(), lidar_}});
   const auto yaw = consistent_median({measured_.begin(), measured_.end()}, kMaxYawSpread, kPairs);
-  is_over_ = yaw || way_ > kLongest;
+  is_over_ = yaw || way_ > kMaxWay;
   if (!is_over_) return std::nullopt;
   reference_.reset();
   return yaw && std::abs(*yaw) > wrong_ ? yaw : std::nullopt;

@@ -16,12 +16,12 @@ namespace curbstone::mapper::mounting {
 /// right direction trunks, posts and walls are where they were. Where no surface stands across the street registration
 /// follows odometry, and a LiDAR that looks 2 deg aside smears the map by decimetres.
 ///
-/// All directions are tried. The result is the median of consistent pairs; it ends with that, or after kLongest.
+/// All directions are tried. The result is the median of consistent pairs; it ends with that, or after kMaxWay.
 /// Pure; one thread.
 class YawAtStart {
  public:
   static constexpr double kBaseline = 2.0;      ///< m
-  static constexpr double kLongest = 20.0;      ///< m of travel
+  static constexpr double kMaxWay = 20.0;       ///< m of travel
   static constexpr std::size_t kPairs = 3;      ///< consistent ones
   static constexpr double kWrong = 0.02;        ///< rad, from here on the yaw is wrong; right ones show less than 0.008
   static constexpr double kWrongAgain = 0.005;  ///< rad, after a large correction

@@ -159,7 +159,7 @@ std::vector<PlaceHypothesis> CandidateSearch::hypotheses(const std::vector<scan:
 PlaceMatch CandidateSearch::refine(const std::vector<scan::LidarPoint>& points, const PlaceHypothesis& hypothesis) {
   if (!registration_) {
     registration_ = std::make_unique<registration::IcpRegistration>(config_, lidar_);
-    for (const scan::Keyframe& node : nodes_) registration_->recall(node);
+    for (const scan::Keyframe& node : nodes_) registration_->insert_keyframe(node);
   }
   registration::PosePrior prior;
   prior.T_map_base = hypothesis.T_map_base;

@@ -115,7 +115,7 @@ void IcpRegistration::insert(const std::vector<scan::LidarPoint>& points, const 
   map_.insert(scan::downsample(points, config_.source_voxel, config_.max_range), T_map_base, lidar_);
 }
 
-void IcpRegistration::recall(const scan::Keyframe& node) {
+void IcpRegistration::insert_keyframe(const scan::Keyframe& node) {
   map_.insert(scan::unpack(*node.points.read()), node.T_map_base, lidar_);
 }
 

@@ -20,7 +20,7 @@ class IcpRegistration final : public Registration {
 
   [[nodiscard]] RegistrationResult align(const std::vector<scan::LidarPoint>& points, const PosePrior& prior) override;
   void insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base) override;
-  void recall(const scan::Keyframe& node) override;
+  void insert_keyframe(const scan::Keyframe& node) override;
   bool keep_around(const Eigen::Vector3d& centre) override;
   [[nodiscard]] double window() const override { return config_.window; }
   [[nodiscard]] std::size_t size() const override { return map_.size(); }

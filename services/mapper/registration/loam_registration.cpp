@@ -109,7 +109,7 @@ void LoamRegistration::insert(const std::vector<scan::LidarPoint>& points, const
 }
 
 /// As planes only: a downsampled scan has no rings from which edges could be extracted.
-void LoamRegistration::recall(const scan::Keyframe& node) {
+void LoamRegistration::insert_keyframe(const scan::Keyframe& node) {
   planes_.insert(scan::unpack(*node.points.read()), node.T_map_base, lidar_);
 }
 

@@ -51,7 +51,7 @@ class Registration {
   /// Adds the scan to the map.
   virtual void insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base) = 0;
   /// Adds the points of a keyframe, with less detail than insert() of its scan.
-  virtual void recall(const scan::Keyframe& node) = 0;
+  virtual void insert_keyframe(const scan::Keyframe& node) = 0;
   /// Bounds the map: drops whatever is farther than window() from `centre` in any axis. It does so only now and then,
   /// and returns true when it did.
   virtual bool keep_around(const Eigen::Vector3d& centre) = 0;

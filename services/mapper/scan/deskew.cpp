@@ -41,9 +41,9 @@ SweepMotion steady_sweep(const Twist& twist, double seconds, double step) {
 }
 
 bool measured(const LidarPoint& point) {
-  constexpr float kNearest = 0.1F, kFarthest = 1000.0F;  // m
+  constexpr float kMinRange = 0.1F, kMaxRange = 1000.0F;  // m
   const float range2 = point.position.squaredNorm();
-  return range2 > kNearest * kNearest && range2 < kFarthest * kFarthest && std::isfinite(point.time);
+  return range2 > kMinRange * kMinRange && range2 < kMaxRange * kMaxRange && std::isfinite(point.time);
 }
 
 std::vector<LidarPoint> deskew(const std::vector<LidarPoint>& points, const Pose& T_base_lidar,

@@ -11,11 +11,11 @@ namespace curbstone::mapper::scan {
 namespace {
 
 constexpr std::int64_t kMostLost = 100'000;              // a larger step of the sequence numbers is a restart
-constexpr std::int64_t kLongestPacket = 200'000;         // us: a revolution in one
+constexpr std::int64_t kMaxPacketInterval = 200'000;     // us: a revolution in one
 constexpr std::int64_t kRestartBack = 1'000'000;         // us: a lower number with a stamp so much earlier is not late
 constexpr std::int64_t kNoCorrection = 20'000;           // us: what remains of two steps that cancel
 constexpr std::int64_t kSmallest = 10'000;               // us
-constexpr std::int64_t kLongestRestart = 3'600'000'000;  // us
+constexpr std::int64_t kMaxRestart = 3'600'000'000;      // us
 constexpr std::int64_t kLatest = std::int64_t{1} << 60;  // us: no stamp, and far from an overflow
 constexpr int kMaxMisfits = 20;                          // packets
 constexpr int kDiffering = 100;                          // times in a row: a second of odometry
@@ -44,7 +44,7 @@ void LidarClock::add(const lidar_points_t& packet, std::int64_t odometry, const 
   if (step_) return hold(packet, now, handler);
   if (last_ && last_->odometry != 0 && odometry != 0) {
     const std::int64_t by = now.utime - expected_after(*last_, now);
-    if (std::abs(by) > (interval_ == 0 ? kLongestPacket : std::max(kSmallest, 2 * interval_))) {
+    if (std::abs(by) > (interval_ == 0 ? kMaxPacketInterval : std::max(kSmallest, 2 * interval_))) {
       step_ = Step{by, std::min(kAgree, std::abs(by) / 2), now.utime, now};
       return hold(packet, now, handler);
     }
@@ -65,13 +65,13 @@ bool LidarClock::is_late(const lidar_points_t& packet) const {
 std::int64_t LidarClock::expected_after(const Heard& before, const Heard& now) const {
   const std::int64_t packets = std::int64_t{now.number} - before.number;
   if (packets > 0 && packets <= kMostLost) return before.utime + packets * interval_;
-  return before.utime + std::clamp<std::int64_t>(now.odometry - before.odometry, 0, kLongestRestart);
+  return before.utime + std::clamp<std::int64_t>(now.odometry - before.odometry, 0, kMaxRestart);
 }
 
 void LidarClock::follow(const Heard& now) {
   if (last_ && std::int64_t{now.number} - last_->number == 1) {
     const std::int64_t took = now.utime - last_->utime;
-    const std::int64_t longest = interval_ == 0 ? kLongestPacket : 4 * interval_;  // a longer one is a pause
+    const std::int64_t longest = interval_ == 0 ? kMaxPacketInterval : 4 * interval_;  // a longer one is a pause
     if (took > 0 && took <= longest) interval_ = interval_ == 0 ? took : (15 * interval_ + took) / 16;
   }
   if (!last_ || now.odometry > last_->odometry) compare_with_odometry(now);
@@ -142,7 +142,7 @@ LidarClock::Verdict LidarClock::verdict() const {
   if (std::abs(since) < kAgree) return Verdict::kAsTheyAre;
   const bool goes_on = odometry > last_->utime + kProof && std::abs(since - static_cast<double>(step_->by)) < kAgree;
   if (goes_on && held_for >= (step_->by < 0 ? kHoldBack : kHoldAhead)) return Verdict::kLidarAlone;
-  return held_for >= kLongestHold || held_.size() >= kMaxHeld ? Verdict::kAsTheyAre : Verdict::kOpen;
+  return held_for >= kMaxHold || held_.size() >= kMaxHeld ? Verdict::kAsTheyAre : Verdict::kOpen;
 }
 
 /// Passes on what is held, `correction` us, later than it was stamped.

@@ -20,7 +20,7 @@ namespace curbstone::mapper::scan {
 /// - its stamps agree with the new ones: the packets pass as they are;
 /// - its stamps go on in the old clock, past the step by kProof: the LiDAR's clock alone was set, and the step is taken
 ///   out of this and all later stamps;
-/// - neither within kLongestHold: the packets pass as they are.
+/// - neither within kMaxHold: the packets pass as they are.
 ///
 /// Where the next packet goes on in the old clock, only the held stamps were wrong, and are corrected. Smaller steps
 /// are held for one packet, for this alone. Without odometry nothing is held. Pure; one thread. Time is LiDAR time;
@@ -37,8 +37,8 @@ class LidarClock {
   static constexpr std::int64_t kProof = 200'000;        ///< us
   static constexpr std::int64_t kHoldBack = 300'000;     ///< us, at least, before a step back is taken out
   static constexpr std::int64_t kHoldAhead = 1'000'000;  ///< us: after a pause of all, odometry may come late
-  static constexpr std::int64_t kLongestHold = 2'000'000;  ///< us
-  static constexpr std::size_t kMaxHeld = 12'000;          ///< packets
+  static constexpr std::int64_t kMaxHold = 2'000'000;    ///< us
+  static constexpr std::size_t kMaxHeld = 12'000;        ///< packets
 
   /// Takes a packet, in the order of sequence numbers but for late ones, and gives `handler` all that is due.
   /// `odometry`: us, the newest stamp; 0: there is none.

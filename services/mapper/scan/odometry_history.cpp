@@ -136,7 +136,7 @@ bool OdometryHistory::covers(std::int64_t from, std::int64_t to) const {
 bool OdometryHistory::is_clock_step(std::size_t i, std::size_t known) const {
   constexpr double kStands = 0.01;  // m
   const double gap = seconds(samples_[i].utime, samples_[i + 1].utime);
-  if (samples_[i + 1].utime - samples_[i].utime >= kLongestClockStep) return false;
+  if (samples_[i + 1].utime - samples_[i].utime >= kMaxClockStep) return false;
   const auto moved = [this](std::size_t j) {
     return (samples_[j + 1].T_odom_base.translation() - samples_[j].T_odom_base.translation()).norm();
   };

@@ -34,7 +34,7 @@ class OdometryHistory {
   static constexpr int kAgreeing = 5;                  ///< row continue each other. From kFarBack on, which a log that
   static constexpr std::int64_t kFarBack = 1'000'000;  ///< is played into the bus may be, kAgreeingFarBack, for these
   static constexpr int kAgreeingFarBack = 20;          ///< come in bursts
-  static constexpr std::int64_t kLongestClockStep = 1'000'000;  ///< us ahead
+  static constexpr std::int64_t kMaxClockStep = 1'000'000;  ///< us ahead
   static constexpr double kGapSteps = 1.6;
   static constexpr std::int64_t kReportedFor = 1'000'000;  ///< us
 

@@ -5,9 +5,9 @@
 namespace curbstone::mapper::tracking {
 namespace {
 
-constexpr double kAcceleration = 10.0;     // m/s, error of the velocity over a scan without odometry
-constexpr double kTurning = 2.0;           // rad/s, likewise of the rotation
-constexpr double kLongestGuess = 2.5;      // s for which a constant velocity is extrapolated
+constexpr double kSpeedError = 10.0;       // m/s, 1 sigma of a constant velocity without odometry
+constexpr double kTurnRateError = 2.0;     // rad/s, likewise of its turn
+constexpr double kMaxExtrapolation = 2.5;  // s for which a constant velocity is extrapolated
 constexpr double kConvergenceBasin = 0.7;  // m between two initial motions, from one of which registration converges
 constexpr double kMaxInitialMotion = 5.0;  // m per scan, largest initial motion
 constexpr double kTurned = 0.05;           // rad between initial motions
@@ -73,11 +73,11 @@ std::optional<MotionPrediction> predict_across_gap(const config::TrackerConfig& 
 MotionPrediction predict_constant_velocity(const RecentMotion& recent, const scan::Scan& scan) {
   double stride = scan::seconds(recent.end, scan.end);
   MotionPrediction prediction;
-  prediction.blind = stride > kLongestStride;
-  if (stride > kLongestGuess) stride = recent.stride;  // too long ago, or a new clock: the way is unknown
+  prediction.blind = stride > kMaxStride;
+  if (stride > kMaxExtrapolation) stride = recent.stride;  // too long ago, or a new clock: the way is unknown
   prediction.T_last_base = scan::move(recent.twist, stride);
   prediction.sweep = scan::steady_sweep(recent.twist, scan::seconds(scan.start, scan.end));
-  prediction.covariance = isotropic(kAcceleration * std::max(stride, 0.05), kTurning * std::max(stride, 0.05));
+  prediction.covariance = isotropic(kSpeedError * std::max(stride, 0.05), kTurnRateError * std::max(stride, 0.05));
   return prediction;
 }
 

@@ -12,7 +12,7 @@
 
 namespace curbstone::mapper::tracking {
 
-inline constexpr double kLongestStride = 0.5;  ///< s between scans; beyond it a constant velocity is a guess
+inline constexpr double kMaxStride = 0.5;  ///< s between scans; beyond it a constant velocity is a guess
 
 /// The vehicle's motion over the last scan, from scans.
 struct RecentMotion {

@@ -79,7 +79,7 @@ Fit ScanMatcher::fit(const PreviousPose& from, const scan::Scan& scan, MotionPre
   Fit fit = predict(from, scan, std::move(prediction));
   fit.motion = motion;
   fit.result = registration_->align(fit.points, fit.prior);
-  if (!fit.prediction.with_odometry && scan::seconds(from.end, scan.end) <= kLongestStride) {
+  if (!fit.prediction.with_odometry && scan::seconds(from.end, scan.end) <= kMaxStride) {
     return refine_motion(from, scan, motion, std::move(fit));
   }
   return fit;

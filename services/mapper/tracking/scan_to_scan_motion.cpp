@@ -8,8 +8,8 @@
 namespace curbstone::mapper::tracking {
 namespace {
 
-constexpr std::int64_t kLongestPair = 300'000;  // us
-constexpr double kNear = 0.05;                  // m from odometry's way, below which both have the same agreement
+constexpr std::int64_t kMaxPairInterval = 300'000;  // us
+constexpr double kNear = 0.05;                      // m from odometry's way, below which both have the same agreement
 
 constexpr double kHypothesisAgreementRatio = 1.02;  // factor in agreement by which a less likely way must be better
 
@@ -39,7 +39,7 @@ double agreement(const registration::RegistrationResult& found) {
 std::optional<OdometryCheck::Pair> ScanToScanMotion::take(std::int64_t utime,
                                                           const std::vector<scan::LidarPoint>& points,
                                                           const Pose& T_odom_base, bool is_suspect, bool multi_start) {
-  if (first_ && (utime <= first_->utime || utime - first_->utime > kLongestPair)) first_.reset();
+  if (first_ && (utime <= first_->utime || utime - first_->utime > kMaxPairInterval)) first_.reset();
   if (first_) {
     if (utime - first_->utime < kMinInterval) return std::nullopt;
     auto pair = measure(points, first_->T_odom_base.inverse() * T_odom_base, multi_start);

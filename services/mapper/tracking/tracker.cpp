@@ -9,17 +9,17 @@
 namespace curbstone::mapper::tracking {
 namespace {
 
-constexpr std::int64_t kLongestSweep = 1'000'000;  // us
-constexpr std::int64_t kClockJump = 100'000;       // us backwards: from here on a new clock, not a late scan
-constexpr int kFirstInsertions = 10;               // scans that the registration map takes even if the vehicle stands
-constexpr int kMaxMultiStarts = 3;                 // refusals in a row up to which other motions are tried
+constexpr std::int64_t kMaxSweep = 1'000'000;  // us
+constexpr std::int64_t kClockJump = 100'000;   // us backwards: from here on a new clock, not a late scan
+constexpr int kFirstInsertions = 10;           // scans that the registration map takes even if the vehicle stands
+constexpr int kMaxMultiStarts = 3;             // refusals in a row up to which other motions are tried
 
 scan::SharedPoints share(std::vector<scan::LidarPoint> points) {
   return std::make_shared<const std::vector<scan::LidarPoint>>(std::move(points));
 }
 
 bool is_sweep(const scan::Scan& scan) {
-  return scan.end >= scan.start && scan.end - scan.start <= kLongestSweep;
+  return scan.end >= scan.start && scan.end - scan.start <= kMaxSweep;
 }
 
 }  // namespace
@@ -134,12 +134,12 @@ Tracker::Attempt Tracker::attempt_multi_start(const PreviousPose& from, const sc
 /// the second scan in a row is accepted: a single one may be an error.
 bool Tracker::follows(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
   const std::int64_t stride = scan.end - last_->end;
-  const bool in_order = stride > 0 && static_cast<double>(stride) * 1e-6 <= kLongestStride;
+  const bool in_order = stride > 0 && static_cast<double>(stride) * 1e-6 <= kMaxStride;
   const std::optional<std::int64_t> before = std::exchange(broken_, std::nullopt);
   if (in_order || (stride > 0 && odometry.covers(last_->end, scan.end))) return true;
   if (stride <= 0 && stride > -kClockJump) return false;
   const std::int64_t since = before ? scan.end - *before : 0;
-  if (since <= 0 || static_cast<double>(since) * 1e-6 > kLongestStride) {
+  if (since <= 0 || static_cast<double>(since) * 1e-6 > kMaxStride) {
     broken_ = scan.end;
     return false;
   }
@@ -196,7 +196,7 @@ void Tracker::begin_anew() {
 
 /// Updates the motion: `moved` is the vehicle's motion in `stride` s, by this scan.
 void Tracker::learn_motion(const Attempt& found, const Pose& moved, double stride) {
-  const bool in_step = stride < kLongestStride;
+  const bool in_step = stride < kMaxStride;
   if (in_step) {
     stride_ = stride;
     const scan::Twist before = std::exchange(twist_, scan::twist_of(moved, stride));
@@ -222,7 +222,7 @@ void Tracker::relocate(const Pose& T_map_base) {
 
 void Tracker::rebuild(const std::vector<const scan::Keyframe*>& nodes, const Pose& T_map_base) {
   matcher_.clear_map();
-  for (const scan::Keyframe* node : nodes) matcher_.map().recall(*node);
+  for (const scan::Keyframe* node : nodes) matcher_.map().insert_keyframe(*node);
   (void)matcher_.map().keep_around(T_map_base.translation());
   last_->T_map_base = T_map_base;
   turns_.clear();

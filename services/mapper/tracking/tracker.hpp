@@ -98,7 +98,7 @@ class Tracker {
   /// Rebuilds the registration map from `nodes`, and sets the vehicle's pose in it.
   void rebuild(const std::vector<const scan::Keyframe*>& nodes, const Pose& T_map_base);
   /// Inserts a node's surroundings into the registration map again.
-  void recall(const scan::Keyframe& node) { matcher_.map().recall(node); }
+  void insert_keyframe(const scan::Keyframe& node) { matcher_.map().insert_keyframe(node); }
   /// Bounds the registration map once the vehicle has moved far enough. True if voxels outside the window were dropped.
   bool forget_far();
   [[nodiscard]] double window() const { return matcher_.map().window(); }

@@ -13,7 +13,7 @@ namespace {
 constexpr double kMaxTurnChange = 0.03;  // rad, change of the turn from scan to scan that no vehicle makes
 constexpr double kSteady = 0.5 * mounting::MountYaw::kTurn;  // rad, a smaller change from scan to scan is a vehicle's
 constexpr int kMinSparseForFault = 10;                       // scans in a row that are a fault
-constexpr double kLongestAlone = 5;                          // s for which a speed is taken as constant
+constexpr double kMaxSteadyTime = 5;                         // s for which a speed is taken as constant
 
 }  // namespace
 
@@ -71,7 +71,7 @@ void Tracker::continue_by_scans(const OdometryCheck::Pair& pair, const Pose& T_o
   twist_ = twist;
   steady_ = 0;
   const double seconds = agreed_ ? scan::seconds(agreed_->end, pair.utime) : 0;
-  if (!tracking_state_.tracking() || !(seconds > 0 && seconds < kLongestAlone)) return;
+  if (!tracking_state_.tracking() || !(seconds > 0 && seconds < kMaxSteadyTime)) return;
   twist.angular = scan::twist_of(agreed_->T_odom_base->inverse() * T_odom_base, seconds).angular;
   last_->T_map_base = normalised(agreed_->T_map_base * scan::move(twist, seconds));
 }

@@ -14,7 +14,7 @@ namespace curbstone::semantic_map::curb_lines {
 
 namespace {
 
-constexpr double kLongest = 8.0;       // m: a van, or a car with the space before and behind it
+constexpr double kMaxGap = 8.0;        // m: a van, or a car with the space before and behind it
 constexpr double kSight = 2.0;         // m of a line that determine its direction and height at the end
 constexpr double kMinSure = 1.5;       // m, least length of a line
 constexpr double kMaxTurn = 0.25;      // rad between a line's end and the chord
@@ -30,7 +30,7 @@ constexpr double kMaxFlatLength = 0.45;  // m of the bridge that may visibly hav
 constexpr double kMinLowered = 1.0;      // m
 constexpr double kLowStep = 0.010;       // m
 constexpr double kLowSigmas = 3.0;       // of the step along it: its line is known, only its height is not
-constexpr double kHighest = 0.06;        // m: higher steps are found without a bridge
+constexpr double kMaxLowered = 0.06;     // m: higher steps are found without a bridge
 constexpr double kBeside = 0.5;          // m: a measured line this close takes precedence
 
 using Cell = std::pair<std::int64_t, std::int64_t>;
@@ -90,7 +90,7 @@ double turn_between(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 bool goes_on(const LineEnd& from, const LineEnd& to) {
   const Eigen::Vector2d chord = to.at - from.at;
   const double gap = chord.norm();
-  if (gap < kVertices || gap > kLongest) return false;
+  if (gap < kVertices || gap > kMaxGap) return false;
   const double before = turn_between(from.along, chord);
   const double behind = turn_between(chord, to.along);
   if (std::max(std::abs(before), std::abs(behind)) > kMaxTurn) return false;
@@ -171,7 +171,7 @@ std::optional<tile::CurbLine> line_between(const SeenGround& ground, const std::
   }
   if ((to.at - from.at).norm() < kMinLowered) return std::nullopt;
   const auto step = find_lowered_step(ground, line.points);
-  if (!step || step->height < std::max(kLowStep, kLowSigmas * step->sigma) || step->height > kHighest)
+  if (!step || step->height < std::max(kLowStep, kLowSigmas * step->sigma) || step->height > kMaxLowered)
     return std::nullopt;
   line.dropped = true;
   for (std::size_t k = 1; k + 1 < line.points.size(); ++k) line.points[k].height = static_cast<float>(step->height);
@@ -193,9 +193,9 @@ std::vector<Bridge> find_bridges(const std::vector<LineEnd>& ends, const std::ve
   std::vector<Bridge> bridges;
   for (std::size_t e = 0; e < ends.size(); ++e) {
     const double x = ends[e].at.x();
-    auto it = std::lower_bound(by_x.begin(), by_x.end(), x - kLongest,
+    auto it = std::lower_bound(by_x.begin(), by_x.end(), x - kMaxGap,
                                [&](std::size_t b, double at) { return begins[b].at.x() < at; });
-    for (; it != by_x.end() && begins[*it].at.x() <= x + kLongest; ++it) {
+    for (; it != by_x.end() && begins[*it].at.x() <= x + kMaxGap; ++it) {
       if (begins[*it].line == ends[e].line || !goes_on(ends[e], begins[*it])) continue;
       bridges.push_back({(begins[*it].at - ends[e].at).norm(), e, *it});
     }

@@ -9,11 +9,11 @@ namespace curbstone::semantic_map::curb_lines {
 struct MapCurbPoint {
   Eigen::Vector2d foot = Eigen::Vector2d::Zero();  ///< m
   Eigen::Vector2d up = Eigen::Vector2d::UnitX();   ///< unit, towards the higher side
-  double z = 0;
-  double height = 0;
-  double confidence = 0;
-  bool weak = false;  ///< lower than a curb must be to count on its own
-  double reach = 0;   ///< m along the curb, on each side, from which the evidence comes
+  double z = 0;                                    ///< m, of the low side at the foot
+  double height = 0;                               ///< m, of the step
+  double confidence = 0;                           ///< 0..1
+  bool weak = false;                               ///< lower than a curb must be to count on its own
+  double reach = 0;                                ///< m along the curb, on each side, from which the evidence comes
 };
 
 /// Indices of consecutive points of one curb, its higher side on the right.

@@ -33,7 +33,8 @@ struct CurbEvidence {
 
 /// Section VI, curb evidence: where normals near the ground tilt more than flat ground's do, and the ground really
 /// steps up from one side to the other. A cell may give several candidates, in different directions. Of the centre
-/// tile; looks at points within half a metre around it.
+/// tile; looks at points up to 1.2 m around it: 0.60 m across a step, 1.0 m along it. Pure, but for memory that each
+/// thread keeps for its next call.
 [[nodiscard]] CurbEvidence find_curb_evidence(const tile::Around<tile::VotedTile>& tiles,
                                               const ground::GroundSurface& ground,
                                               const tile::CurbParameters& parameters);

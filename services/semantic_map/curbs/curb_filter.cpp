@@ -18,7 +18,7 @@ constexpr double kAcross = 0.50;       // m: ghosts of a step appear this far be
 constexpr double kAlong = 0.15;        // m
 constexpr double kSameLine = 0.04;     // m: this close across is the same line, not a ghost
 constexpr double kMargin = 3.0;        // m around the tile that can matter
-constexpr double kLongest = 2.2;       // m each way that a line is looked at
+constexpr double kMaxLineReach = 2.2;  // m each way that a line is looked at
 constexpr double kMinExtent = 0.8;     // m of line around a detection
 constexpr double kReaches = 2.0;       // of the evidence: where points are few, so are detections
 constexpr double kWeakReach = 1.5;     // m a weak detection may be from the line's strong ones
@@ -118,7 +118,7 @@ LocalLine line_around(const Eigen::Vector2d& at, double radius, const std::vecto
 
 bool is_on_line(const Placed& p, const std::vector<Placed>& strong, const tile::CurbParameters& parameters) {
   const auto alike = [&](const Placed& o) { return std::abs(o.up.dot(p.up)) > 0.6; };
-  const double radius = std::min(kLongest, std::max(parameters.linearity_radius, kReaches * p.candidate->reach));
+  const double radius = std::min(kMaxLineReach, std::max(parameters.linearity_radius, kReaches * p.candidate->reach));
   const LocalLine line = line_around(p.at, radius, strong, alike);
   return line.count > parameters.min_neighbours && line.linearity < parameters.max_linearity &&
          line.extent > kMinExtent && std::abs(line.direction.dot(p.up)) < 0.6;
@@ -129,7 +129,7 @@ bool is_on_line(const Placed& p, const std::vector<Placed>& strong, const tile::
 bool is_supported(const Placed& p, const std::vector<Placed>& kept, const tile::CurbParameters& parameters) {
   if (!parameters.use_step) return true;  // a tilt alone has no certainty
   const auto alike = [&](const Placed& o) { return std::abs(o.up.dot(p.up)) > 0.6; };
-  const LocalLine line = line_around(p.at, kLongest, kept, alike);
+  const LocalLine line = line_around(p.at, kMaxLineReach, kept, alike);
   return line.score * std::sqrt(line.extent) >= parameters.line_sigmas;
 }
 

@@ -6,15 +6,15 @@
 
 namespace curbstone::semantic_map::curbs {
 
-/// A point on a curb. Frame: m from the tile's corner, z in map.
+/// A point on a curb.
 struct CurbPoint {
-  Eigen::Vector2d foot = Eigen::Vector2d::Zero();
-  Eigen::Vector2d up = Eigen::Vector2d::UnitX();  ///< unit, towards the higher side
-  double z = 0;
-  double height = 0;
-  double confidence = 0;  ///< 0..1
-  bool weak = false;      ///< lower than a curb by itself: a dropped kerb on a line
-  double reach = 0;       ///< m along the curb, on each side, that the evidence is from
+  Eigen::Vector2d foot = Eigen::Vector2d::Zero();  ///< m from the tile's corner
+  Eigen::Vector2d up = Eigen::Vector2d::UnitX();   ///< unit, towards the higher side
+  double z = 0;                                    ///< m in map, of the low side at the foot
+  double height = 0;                               ///< m, of the step
+  double confidence = 0;                           ///< 0..1
+  bool weak = false;                               ///< lower than a curb by itself: a dropped kerb on a line
+  double reach = 0;                                ///< m along the curb, on each side, that the evidence is from
   bool operator==(const CurbPoint&) const = default;
 };
 

@@ -36,6 +36,40 @@ struct StepFits {
   Places level, spread, height, full_height, roughness, sigma, slope_u, slope_t, low_z;
 };
 
+// Four places, in a register: of the same on plain numbers GCC does not make that.
+using Quad = double __attribute__((vector_size(4 * sizeof(double))));
+
+[[gnu::always_inline]] inline const FourPlaces& four_of(const Places& places, std::size_t k) {
+  return reinterpret_cast<const FourPlaces&>(places[k]);
+}
+
+/// The number and the means of a side's points, and the variance of their u.
+struct SideMeans {
+  Quad n, u, t, z, spread;
+  [[gnu::always_inline]] SideMeans(const SideSums& side, std::size_t k)
+      : n(four_of(side.n, k)),
+        u(four_of(side.u, k) / n),
+        t(four_of(side.t, k) / n),
+        z(four_of(side.z, k) / n),
+        spread(four_of(side.uu, k) / n - u * u) {}
+};
+
+/// Scatter about the means, over both sides. That of (u, t) is S of the method, with the terms that keep the slope
+/// small: `place`, n kPlaceNoise^2, and the squares of the priors.
+struct Scatter {
+  Quad uu, ut, tt, uz, tz, zz;
+  [[gnu::always_inline]] Scatter(const Sides& sides, std::size_t k, const SideMeans& l, const SideMeans& h,
+                                 const Quad& place, double prior_u, double prior_t)
+      : uu((four_of(sides.low.uu, k) - l.n * l.u * l.u) + (four_of(sides.high.uu, k) - h.n * h.u * h.u) +
+           prior_u * prior_u + place),
+        ut((four_of(sides.low.ut, k) - l.n * l.u * l.t) + (four_of(sides.high.ut, k) - h.n * h.u * h.t)),
+        tt((four_of(sides.low.tt, k) - l.n * l.t * l.t) + (four_of(sides.high.tt, k) - h.n * h.t * h.t) +
+           prior_t * prior_t + place),
+        uz((four_of(sides.low.uz, k) - l.n * l.u * l.z) + (four_of(sides.high.uz, k) - h.n * h.u * h.z)),
+        tz((four_of(sides.low.tz, k) - l.n * l.t * l.z) + (four_of(sides.high.tz, k) - h.n * h.t * h.z)),
+        zz((four_of(sides.low.zz, k) - l.n * l.z * l.z) + (four_of(sides.high.zz, k) - h.n * h.z * h.z)) {}
+};
+
 /// Two half-planes at each place (docs/method.md, section 11): of z_0, h and the slope s that both share, those that
 /// minimise
 ///
@@ -47,63 +81,44 @@ struct StepFits {
 /// (regression with errors in both variables).
 CURBSTONE_VECTORISED
 void fit_sides(const Sides& sides, double noise, StepFits& fits) {
-  // By fours that lie in a register: of the same on plain numbers GCC does not make that.
-  using Four = double __attribute__((vector_size(4 * sizeof(double))));
   const double prior_u = noise / kSlopeAcross;
   const double prior_t = noise / kSlopeAlong;
   for (std::size_t k = 0; k < kPlaces; k += 4) {
     if (!sides.any[k / 4]) continue;
-    const auto of = [k](const Places& places) -> const FourPlaces& {
-      return reinterpret_cast<const FourPlaces&>(places[k]);
-    };
-    const auto put = [k](Places& places, const Four& four) { *reinterpret_cast<FourPlaces*>(&places[k]) = four; };
-    const Four low_n = of(sides.low.n);
-    const Four high_n = of(sides.high.n);
-    const Four lu = of(sides.low.u) / low_n;
-    const Four lt = of(sides.low.t) / low_n;
-    const Four lz = of(sides.low.z) / low_n;
-    const Four hu = of(sides.high.u) / high_n;
-    const Four ht = of(sides.high.t) / high_n;
-    const Four hz = of(sides.high.z) / high_n;
-    const Four low_spread = of(sides.low.uu) / low_n - lu * lu;
-    const Four high_spread = of(sides.high.uu) / high_n - hu * hu;
-    put(fits.spread, low_spread < high_spread ? low_spread : high_spread);
-    // Scatter about the means, over both sides.
-    const Four by_noise = (low_n + high_n) * kPlaceNoise * kPlaceNoise;
-    const Four uu =
-        (of(sides.low.uu) - low_n * lu * lu) + (of(sides.high.uu) - high_n * hu * hu) + prior_u * prior_u + by_noise;
-    const Four ut = (of(sides.low.ut) - low_n * lu * lt) + (of(sides.high.ut) - high_n * hu * ht);
-    const Four tt =
-        (of(sides.low.tt) - low_n * lt * lt) + (of(sides.high.tt) - high_n * ht * ht) + prior_t * prior_t + by_noise;
-    const Four uz = (of(sides.low.uz) - low_n * lu * lz) + (of(sides.high.uz) - high_n * hu * hz);
-    const Four tz = (of(sides.low.tz) - low_n * lt * lz) + (of(sides.high.tz) - high_n * ht * hz);
-    const Four zz = (of(sides.low.zz) - low_n * lz * lz) + (of(sides.high.zz) - high_n * hz * hz);
-    const Four inverse_det = 1 / (uu * tt - ut * ut);
-    const Four inverse_uu = tt * inverse_det;
-    const Four inverse_ut = -ut * inverse_det;
-    const Four inverse_tt = uu * inverse_det;
-    const Four slope_u = inverse_uu * uz + inverse_ut * tz;
-    const Four slope_t = inverse_ut * uz + inverse_tt * tz;
-    const Four apart_u = hu - lu;
-    const Four apart_t = ht - lt;
+    const auto put = [k](Places& places, const Quad& four) { *reinterpret_cast<FourPlaces*>(&places[k]) = four; };
+    const SideMeans low(sides.low, k);
+    const SideMeans high(sides.high, k);
+    put(fits.spread, low.spread < high.spread ? low.spread : high.spread);
+    const Quad place = (low.n + high.n) * kPlaceNoise * kPlaceNoise;
+    const Scatter S(sides, k, low, high, place, prior_u, prior_t);
+    // The slope: S^-1 (uz, tz).
+    const Quad inverse_det = 1 / (S.uu * S.tt - S.ut * S.ut);
+    const Quad inverse_uu = S.tt * inverse_det;
+    const Quad inverse_ut = -S.ut * inverse_det;
+    const Quad inverse_tt = S.uu * inverse_det;
+    const Quad slope_u = inverse_uu * S.uz + inverse_ut * S.tz;
+    const Quad slope_t = inverse_ut * S.uz + inverse_tt * S.tz;
     put(fits.slope_u, slope_u);
     put(fits.slope_t, slope_t);
-    const Four rss = zz - (slope_u * uz + slope_t * tz);
-    put(fits.roughness, (0 < rss ? rss : Four{}) / (low_n + high_n - 4) + kNoiseFloor * kNoiseFloor);
-    put(fits.level, hz - lz);
-    const Four height = hz - lz - (slope_u * apart_u + slope_t * apart_t);
+    const Quad rss = S.zz - (slope_u * S.uz + slope_t * S.tz);
+    put(fits.roughness, (0 < rss ? rss : Quad{}) / (low.n + high.n - 4) + kNoiseFloor * kNoiseFloor);
+    // The step: what remains of the difference of the means. Its variance, in units of the residuals'.
+    const Quad apart_u = high.u - low.u;
+    const Quad apart_t = high.t - low.t;
+    put(fits.level, high.z - low.z);
+    const Quad height = high.z - low.z - (slope_u * apart_u + slope_t * apart_t);
     put(fits.height, height);
-    // The heights are above ground that climbs the step within about a metre: against it both sides fall, and as much
-    // of that as was put down to noise is missing in the step.
-    const Four missing = kOwnLean * by_noise * (inverse_uu * apart_u + inverse_ut * apart_t);
-    const Four most = Four{} + kMaxMissing;
-    put(fits.full_height, height / (1 - (missing < 0 ? Four{} : missing > most ? most : missing)));
-    put(fits.sigma, 1 / low_n + 1 / high_n +
+    put(fits.sigma, 1 / low.n + 1 / high.n +
                         (apart_u * (inverse_uu * apart_u + inverse_ut * apart_t) +
                          apart_t * (inverse_ut * apart_u + inverse_tt * apart_t)));
-    const auto place = static_cast<double>(k);
-    const Four at = (Four{place, place + 1, place + 2, place + 3} - kShift) * kBin;  // step_place()
-    put(fits.low_z, lz + slope_u * (at - lu) - slope_t * lt);
+    // The heights are above ground that climbs the step within about a metre: against it both sides fall, and as much
+    // of that as was put down to noise is missing in the step.
+    const Quad missing = kOwnLean * place * (inverse_uu * apart_u + inverse_ut * apart_t);
+    const Quad most = Quad{} + kMaxMissing;
+    put(fits.full_height, height / (1 - (missing < 0 ? Quad{} : missing > most ? most : missing)));
+    const auto first = static_cast<double>(k);
+    const Quad at = (Quad{first, first + 1, first + 2, first + 3} - kShift) * kBin;  // step_place()
+    put(fits.low_z, low.z + slope_u * (at - low.u) - slope_t * low.t);
   }
 }
 

@@ -9,8 +9,9 @@
 
 namespace curbstone::semantic_map::curbs {
 
-/// Points in the frame of a suspected step: u across it, towards the higher side, t along it, z up; m. By columns, of
-/// which only the first size() numbers mean anything: a window that is used again does not clear its memory.
+/// Points in the frame of a suspected step: u across it, towards the higher side, t along it, z above the DEM; m. By
+/// columns, of which only the first size() numbers mean anything: a window that is used again does not clear its
+/// memory.
 struct StepWindow {
   static constexpr double kUnfit = 1e9;
   std::vector<double> u, t, z;
@@ -26,7 +27,8 @@ struct StepWindow {
 };
 
 /// Two parallel half-planes, low for u < at and high beyond, with one slope that both share (so that camber, ramps and
-/// hills are no steps), fitted to the points.
+/// hills are no steps), fitted to the points. In the frame of the StepWindow: heights and slopes are relative to the
+/// DEM.
 struct HeightStep {
   double at = 0;                                    ///< m in u: where the step is
   double height = 0;                                ///< m, of the fit, whose prior keeps the slope small
@@ -47,8 +49,9 @@ struct StepSides {
   int face_above = 0;  ///< points that stand on the step and go on above it: a wall's
 };
 
-/// The step that is most certain, of all places within 0.18 m of u = 0. `noise`: m, by which heights around scatter.
-/// Nothing where no place has two sides with enough points.
+/// The step that is most certain, of all places within 0.18 m of u = 0 (docs/method.md, section 11). `noise`: m, 1
+/// sigma by which heights around scatter. Nothing where no place has two sides with enough points. Keeps memory for the
+/// next call, a copy for each thread; otherwise pure.
 [[nodiscard]] std::optional<HeightStep> find_height_step(const StepWindow& points, double noise,
                                                          const tile::CurbParameters& parameters);
 /// Takes as long as find_height_step(): for steps that have passed every other test.

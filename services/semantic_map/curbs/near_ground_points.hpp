@@ -48,7 +48,8 @@ class NearGroundPoints {
     return {static_cast<std::size_t>(start_[static_cast<std::size_t>(row * kSide + column0)]),
             static_cast<std::size_t>(start_[static_cast<std::size_t>(row * kSide + column1) + 1])};
   }
-  // All points by columns, as a StepWindow has them; kPadding numbers more than there are points.
+  // All points by columns: x and y, m from the centre tile's corner, z, m above the DEM, and `unfit` as in StepWindow;
+  // kPadding numbers more than there are points.
   static constexpr std::size_t kPadding = 8;
   [[nodiscard]] const double* x() const { return x_.data(); }
   [[nodiscard]] const double* y() const { return y_.data(); }

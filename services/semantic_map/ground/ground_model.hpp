@@ -45,20 +45,20 @@ struct GroundModel {
 /// Models the ground of a tile, from its samples and its neighbours'.
 [[nodiscard]] GroundModel model_ground(const tile::Around<GroundSamples>& samples);
 
-/// The ground at a place.
+/// The ground at a place; slopes and noise as in GroundNode, in map's axes.
 struct GroundAt {
-  double height = 0;  ///< m in map
-  Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();
-  double normal_noise = 0;
-  double layer_noise = 0;  ///< m
-  Eigen::Vector2d coarse_tilt = Eigen::Vector2d::Zero();
+  double height = 0;                                       ///< m in map
+  Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();  ///< by the normals
+  double normal_noise = 0;                                 ///< 1 sigma of that
+  double layer_noise = 0;                                  ///< m, 1 sigma
+  Eigen::Vector2d coarse_tilt = Eigen::Vector2d::Zero();   ///< slope against the rough ground's
 };
 
 /// The part of GroundAt that every point needs.
 struct GroundBelow {
-  double height = 0;  ///< m in map
-  Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();
-  double normal_noise = 0;
+  double height = 0;                                       ///< m in map
+  Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();  ///< by the normals
+  double normal_noise = 0;                                 ///< 1 sigma of that
 };
 
 /// The DEM over a tile and its neighbours, interpolated between the nodes: no jumps at borders.

@@ -6,7 +6,7 @@
 namespace curbstone::semantic_map::marking_lines {
 namespace {
 
-constexpr double kReach = 2.5;          // of sigma
+constexpr double kReach = 2.5;          // of sigma, in x and in y
 constexpr double kFullContrast = 60.0;  // worn paint counts less
 
 PlaneVote decompose(double xx, double xy, double yy, double mass) {

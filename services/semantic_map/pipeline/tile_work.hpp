@@ -12,7 +12,7 @@ namespace curbstone::semantic_map::pipeline {
 struct VotedChange {
   TileKey key;
   std::int32_t revision = 0;
-  std::int64_t utime = 0;
+  std::int64_t utime = 0;  ///< us, of the tile's newest point
   std::size_t points_before = 0;
   std::size_t points = 0;
   double update_cost = 0;  ///< WorkResult::cost of its last update; 0: there was none

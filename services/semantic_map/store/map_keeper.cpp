@@ -8,9 +8,9 @@ namespace curbstone::semantic_map::store {
 
 namespace {
 
-constexpr std::int64_t kLongestBreak = 600'000'000;  // us between two poses of one drive, a restart in between
-constexpr std::int64_t kRestoredFor = 60'000'000;    // us for which it is reported
-constexpr std::size_t kMaxPoses = 200'000;           // kept while the disk is full: hours
+constexpr std::int64_t kMaxBreak = 600'000'000;    // us between two poses of one drive, a restart in between
+constexpr std::int64_t kRestoredFor = 60'000'000;  // us for which it is reported
+constexpr std::size_t kMaxPoses = 200'000;         // kept while the disk is full: hours
 
 }  // namespace
 
@@ -73,7 +73,7 @@ void MapKeeper::start(std::int32_t epoch, std::int64_t utime) {
 /// Whether a drive that begins at `utime` is the stored one, after a restart of the service.
 bool MapKeeper::continues_stored(std::int32_t epoch, std::int64_t utime) const {
   return store_ && pending_.trajectory.empty() && store_->last_utime() > 0 && store_->epoch() == epoch &&
-         utime > store_->last_utime() && utime - store_->last_utime() < kLongestBreak;
+         utime > store_->last_utime() && utime - store_->last_utime() < kMaxBreak;
 }
 
 std::shared_ptr<const StoredLines> MapKeeper::read_lines() const {

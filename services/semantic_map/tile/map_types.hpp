@@ -90,8 +90,8 @@ struct MapLines {
 
 /// Pose of the vehicle at the end of a revolution.
 struct TrajectoryPose {
-  std::int64_t utime = 0;
-  std::int32_t revolution = 0;
+  std::int64_t utime = 0;       ///< us
+  std::int32_t revolution = 0;  ///< of the LiDAR, as in MAP_POSE
   Pose T_map_base = Pose::Identity();
 };
 

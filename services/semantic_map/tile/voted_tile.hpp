@@ -12,9 +12,9 @@ namespace curbstone::semantic_map::tile {
 /// A complete revision of a tile of VOTED_POINTS.
 struct VotedTile {
   TileKey key;
-  std::int64_t utime = 0;
+  std::int64_t utime = 0;  ///< us, of its newest point
   std::int32_t revision = 0;
-  float z_origin = 0;
+  float z_origin = 0;  ///< m in map, a whole number: heights of messages and of map tiles are relative to it
   VotedPoints points;
   /// By point, on one scale for all beams: the road's median is 64, 0 means unknown; empty: all unknown.
   std::vector<std::uint8_t> intensity;
