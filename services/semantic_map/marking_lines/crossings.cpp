@@ -4,6 +4,8 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
+#include <optional>
+#include <utility>
 
 #include "services/semantic_map/marking_lines/piece_sequences.hpp"
 
@@ -105,6 +107,11 @@ struct Crossing {
     const bool fits_behind = next == places.begin() || fits(place - *(next - 1));
     const bool fits_before = next == places.end() || fits(*next - place);
     return fits_behind && fits_before;
+  }
+  /// Whether a piece is a bar that was missed between two others.
+  [[nodiscard]] bool is_missed_bar(const MarkingPiece& piece) const {
+    const double place = piece.middle().dot(across);
+    return piece.length() >= kShortestBar && place > places.front() && place < places.back() && goes_on_with(piece);
   }
   void add(const MarkingPiece& bar) {
     const double place = bar.middle().dot(across);
@@ -233,6 +240,40 @@ std::vector<std::vector<std::size_t>> group_bars(const std::vector<MarkingPiece>
   return found;
 }
 
+/// How far along a piece it passes a line across the crossing, `end` m along; nothing if not well within the piece.
+std::optional<double> passes_at(const MarkingPiece& piece, const Crossing& crossing, double end) {
+  constexpr std::size_t kFewestSamples = 3;  // of either part
+  const auto& samples = piece.samples;
+  const auto beyond = [&](std::size_t k) { return samples[k].values.head<2>().dot(crossing.along) - end; };
+  for (std::size_t k = kFewestSamples; k + kFewestSamples < samples.size(); ++k) {
+    const double before = beyond(k - 1);
+    const double behind = beyond(k);
+    if ((before < 0) != (behind < 0))
+      return samples[k - 1].s + before / (before - behind) * (samples[k].s - samples[k - 1].s);
+  }
+  return std::nullopt;
+}
+
+/// Parts the bars that were missed from the lines that they were linked to: those run on between two bars, where
+/// nothing else is painted.
+void cut_out_bars(const Crossing& crossing, double bar_width, std::vector<MarkingPiece>& pieces,
+                  std::vector<bool>& taken) {
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    for (const double end : {crossing.begin, crossing.end}) {
+      if (taken[i] || crossing.is_between_ends(pieces[i], kBeyond)) continue;
+      const auto at = passes_at(pieces[i], crossing, end);
+      if (!at) continue;
+      auto [line, bar] = split(pieces[i], *at);
+      if (crossing.is_between_ends(line, kBeyond)) std::swap(line, bar);
+      bar.width = bar_width;
+      if (!crossing.is_missed_bar(bar)) continue;
+      pieces[i] = std::move(line);
+      pieces.push_back(std::move(bar));
+      taken.push_back(false);
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<tile::MarkingLine> extract_crossings(std::vector<MarkingPiece>& pieces) {
@@ -241,6 +282,11 @@ std::vector<tile::MarkingLine> extract_crossings(std::vector<MarkingPiece>& piec
   for (const std::vector<std::size_t>& members : group_bars(pieces)) {
     Crossing crossing = crossing_of(members, pieces);
     if (!crossing.is_even()) continue;
+    if (members.size() >= kFewestBars) {
+      std::vector<double> widths;
+      for (const std::size_t i : members) widths.push_back(pieces[i].width);
+      cut_out_bars(crossing, median_of(widths), pieces, taken);
+    }
     std::vector<const MarkingPiece*> bars;
     std::vector<bool> its(pieces.size());
     const auto take = [&](std::size_t i) {

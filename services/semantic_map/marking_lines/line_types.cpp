@@ -7,8 +7,6 @@
 #include <optional>
 #include <utility>
 
-#include "common/tiles/tile.hpp"
-
 namespace curbstone::semantic_map::marking_lines {
 namespace {
 
@@ -16,10 +14,8 @@ using tile::MarkingType;
 
 constexpr double kSolid = 4.2;         // m: a longer piece is not a dash
 constexpr double kShortSolid = 3.0;    // m: a line of pieces with holes
-constexpr double kHole = 0.6;          // m: in a line that is worn
 constexpr double kWornShare = 0.8;     // painted, of a line that is worn
 constexpr double kDashUneven = 0.4;    // of the median
-constexpr double kDashOfGap = 2.2;     // longest dash, in lengths of its gaps: with longer ones the gaps are holes
 constexpr double kStopWidth = 0.24;    // m
 constexpr double kShortestStop = 1.5;  // m
 constexpr double kLongestStop = 15.0;  // m
@@ -29,52 +25,9 @@ constexpr double kBlobLength = 1.5;    // m: shorter and as wide as that is an a
 constexpr double kBlobWidth = 0.3;     // m
 constexpr double kInRhythm = 0.5;      // m by which a gap may differ from the other gaps of the dashes
 constexpr double kShortestGap = 1.5;   // m between dashes of a lane (Germany 3/1.5, UK 4/2); worn holes are shorter
+constexpr double kSureGap = 2.5;       // m: longer than any worn hole
 constexpr double kNextAlike = 1.4;     // factor between a gap of dashes and the next one
 constexpr double kCutSlack = 0.3;      // m: a part of a piece that is shorter is not cut off
-
-/// The ground between two pieces.
-struct Gap {
-  enum class Kind {
-    kHole,    ///< worn paint, within one stroke
-    kHidden,  ///< no dark ground was seen in it: nobody knows
-    kOpen,    ///< dark ground
-  };
-  double length = 0;  ///< m
-  Kind kind = Kind::kOpen;
-};
-
-/// The longest part of a segment along which ground was seen, m. A cell beside it counts: at a distance not every cell
-/// is hit.
-double longest_seen(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const SeenGround& is_seen) {
-  const Eigen::Vector2d way = to - from;
-  const double length = way.norm();
-  const Eigen::Vector2d across = kCellSize * Eigen::Vector2d(-way.y(), way.x()) / std::max(length, 1e-9);
-  const int steps = std::max(1, static_cast<int>(std::lround(length / kCellSize)));
-  int run = 0;
-  int longest = 0;
-  for (int k = 0; k < steps; ++k) {
-    const Eigen::Vector2d at = from + way * (k + 0.5) / steps;
-    run = is_seen(at) || is_seen(at + across) || is_seen(at - across) ? run + 1 : 0;
-    longest = std::max(longest, run);
-  }
-  return length * longest / steps;
-}
-
-std::vector<Gap> gaps_of(const PieceSequence& sequence, const SeenGround& is_seen) {
-  std::vector<Gap> gaps;
-  for (std::size_t k = 0; k + 1 < sequence.size(); ++k) {
-    const Eigen::Vector2d& from = sequence[k].end_at;
-    const Eigen::Vector2d& to = sequence[k + 1].begin_at;
-    Gap gap{(to - from).norm()};
-    const double shorter = std::min(sequence[k].length(), sequence[k + 1].length());
-    if (gap.length <= std::max(kHole, shorter / kDashOfGap))
-      gap.kind = Gap::Kind::kHole;
-    else if (is_seen && longest_seen(from, to, is_seen) <= kHole)
-      gap.kind = Gap::Kind::kHidden;
-    gaps.push_back(gap);
-  }
-  return gaps;
-}
 
 bool is_uniform(const std::vector<double>& values) {
   const double median = median_of(values);
@@ -124,7 +77,7 @@ Dashes dashes_of(const PieceSequence& sequence, const std::vector<Gap>& gaps, co
   Dashes dashes{{sequence[stretch.first].length()}, {}};
   for (std::size_t k = stretch.first; k < stretch.last; ++k) {
     const double length = sequence[k + 1].length();
-    if (gaps[k].length <= kHole) {
+    if (gaps[k].length <= kLongestHole) {
       dashes.lengths.back() += gaps[k].length + length;
       continue;
     }
@@ -134,23 +87,43 @@ Dashes dashes_of(const PieceSequence& sequence, const std::vector<Gap>& gaps, co
   return dashes;
 }
 
-/// Whether the pieces of a stretch are dashes. The open gaps to what is beside it say so, too: a single dash has one on
-/// each side.
+/// The gaps before and behind a stretch, as far as there are any.
+std::vector<Gap> gaps_beside(const std::vector<Gap>& gaps, const Stretch& stretch) {
+  std::vector<Gap> beside;
+  if (stretch.first > 0) beside.push_back(gaps[stretch.first - 1]);
+  if (stretch.last < gaps.size()) beside.push_back(gaps[stretch.last]);
+  return beside;
+}
+
+/// Whether a single dash has gaps of dashes beside it. A solid line that begins within one cuts it short.
+bool is_lone_dash(double length, const std::vector<Gap>& beside) {
+  double longest = 0;
+  for (const Gap& gap : beside) {
+    if (gap.kind != Gap::Kind::kOpen || gap.length < kShortestGap) return false;
+    longest = std::max(longest, gap.length);
+  }
+  return longest >= kSureGap && length <= std::min(kSolid, kDashOfGap * longest);
+}
+
+/// Whether the pieces of a stretch are dashes. The open gaps to what is beside it say so, too. Beside a solid line,
+/// gaps that are shorter than those of a lane's dashes are its holes.
 bool is_dashed(const PieceSequence& sequence, const std::vector<Gap>& gaps, const Stretch& stretch) {
-  const Dashes of_all = dashes_of(sequence, gaps, stretch);
-  const std::vector<double>& dashes = of_all.lengths;
-  std::vector<double> open = of_all.open;
+  const Dashes of_stretch = dashes_of(sequence, gaps, stretch);
+  const std::vector<double>& dashes = of_stretch.lengths;
+  std::vector<double> open = of_stretch.open;
   if (*std::max_element(dashes.begin(), dashes.end()) > kLongestDash) return false;
-  const auto fit = [&](std::size_t fewest) {
-    return open.size() >= fewest && median_of(dashes) <= kDashOfGap * median_of(open) && are_periodic(dashes, open);
+  const std::vector<Gap> beside = gaps_beside(gaps, stretch);
+  if (dashes.size() == 1) return is_lone_dash(dashes.front(), beside);
+  const double shortest_gap = beside.empty() ? 0 : kShortestGap;
+  const auto fit = [&] {
+    return !open.empty() && median_of(open) >= shortest_gap && median_of(dashes) <= kDashOfGap * median_of(open) &&
+           are_periodic(dashes, open);
   };
-  if (fit(1) && dashes.size() > 1) return true;
-  const auto add_outer = [&](std::size_t k) {
-    if (k < gaps.size() && gaps[k].kind == Gap::Kind::kOpen) open.push_back(gaps[k].length);
-  };
-  if (stretch.first > 0) add_outer(stretch.first - 1);
-  add_outer(stretch.last);
-  return fit(dashes.size() > 1 ? 1 : 2);
+  if (fit()) return true;
+  for (const Gap& gap : beside) {
+    if (gap.kind == Gap::Kind::kOpen) open.push_back(gap.length);
+  }
+  return fit();
 }
 
 /// Parts a sequence into what is dashed and what is not, where `is_long` says of which pieces it is known that they are
@@ -294,14 +267,15 @@ MarkingType type_of(const PieceSequence& sequence, const std::vector<Gap>& gaps,
   const double length = painted + std::accumulate(all.begin(), all.end(), 0.0);
   const double longest = *std::max_element(dashes.begin(), dashes.end());
   const double longest_gap = all.empty() ? 0 : *std::max_element(all.begin(), all.end());
-  const bool is_whole = painted >= kWornShare * length || longest_gap <= kHole;
+  const bool is_whole = painted >= kWornShare * length || longest_gap <= kLongestHole;
   std::vector<double> widths;
   for (std::size_t k = stretch.first; k <= stretch.last; ++k) widths.push_back(sequence[k].width);
   const MarkingPiece& piece = sequence[stretch.first];
   if (is_whole && median_of(widths) >= kStopWidth && length >= kShortestStop && length <= kLongestStop &&
       lies_across(piece, path))
     return MarkingType::kStopLine;
-  if (is_whole && length >= (dashes.size() > 1 ? kShortSolid : kSolid)) return MarkingType::kSolid;
+  const bool is_whole_line = is_whole && length >= (dashes.size() > 1 ? kShortSolid : kSolid);
+  if (is_whole_line && !stretch.is_dashed) return MarkingType::kSolid;
   if (stretch.is_dashed) return MarkingType::kDashed;
   if (longest >= kSolid) return MarkingType::kSolid;  // no dash, however much of the line is hidden
   const bool has_holes = dashes.size() > 1 && median_of(dashes) > kDashOfGap * median_of(all);

@@ -1,17 +1,13 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <functional>
 #include <vector>
 
 #include "services/semantic_map/marking_lines/piece_sequences.hpp"
+#include "services/semantic_map/marking_lines/sequence_gaps.hpp"
 #include "services/semantic_map/tile/driven_path.hpp"
 #include "services/semantic_map/tile/map_types.hpp"
 
 namespace curbstone::semantic_map::marking_lines {
-
-/// Whether the ground at a place, m in map, was seen. Not where a parked car hid it. None: all of it was.
-using SeenGround = std::function<bool(const Eigen::Vector2d&)>;
 
 /// A part of a sequence that is one line.
 struct TypedSequence {

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <utility>
+#include <vector>
+
 namespace curbstone::semantic_map::marking_lines {
 namespace {
 
@@ -116,6 +119,41 @@ TEST(Crossings, AreAsWideAsTheBarsThatAreWhole) {
   ASSERT_THAT(crossings, SizeIs(1));
   EXPECT_THAT(places_of(crossings[0]), SizeIs(7));
   EXPECT_FLOAT_EQ(crossings[0].width, 4);
+}
+
+/// The same with a sample each decimetre.
+MarkingPiece sampled(const Eigen::Vector2d& begin, const Eigen::Vector2d& end, double width) {
+  MarkingPiece piece = straight(begin, end, width);
+  piece.samples.clear();
+  for (double s = 0; s <= piece.end; s += 0.1) {
+    const Eigen::Vector2d at = begin + s * piece.end_direction;
+    piece.samples.push_back({s, {at.x(), at.y(), 0, 60}, 1});
+  }
+  return piece;
+}
+
+TEST(Crossings, TakeTheBarOutOfTheLineThatItWasLinkedTo) {
+  for (const auto& [from, to] : {std::pair{-20.0, 2.1}, std::pair{2.1, -20.0}}) {
+    std::vector<MarkingPiece> pieces;  // as in a worn town: the edge line led into the bar beside its end
+    for (const double y : {0.0, 1.0, 2.0, 4.0}) pieces.push_back(straight({-2, y}, {2, y}, 0.4));
+    pieces.push_back(sampled({from, 3}, {to, 3}, 0.17));
+    const auto crossings = extract_crossings(pieces);
+    ASSERT_THAT(crossings, SizeIs(1));
+    EXPECT_THAT(places_of(crossings[0]), ElementsAre(0, 1, 2, 3, 4));
+    ASSERT_THAT(pieces, SizeIs(1));
+    EXPECT_NEAR(pieces[0].length(), 18, 0.01);
+    EXPECT_FLOAT_EQ(pieces[0].width, 0.17F);
+  }
+}
+
+TEST(Crossings, LeaveTheLinesThatRunBesideThemWhole) {
+  for (const double y : {3.0, 3.5}) {  // at the pace of their bars, but not between two
+    auto pieces = bars(3);
+    pieces.push_back(sampled({-20, y}, {2.1, y}, 0.17));
+    EXPECT_THAT(extract_crossings(pieces), SizeIs(1));
+    ASSERT_THAT(pieces, SizeIs(1));
+    EXPECT_NEAR(pieces[0].length(), 22.1, 0.01);
+  }
 }
 
 TEST(Crossings, HaveNothingAcrossTheirBars) {

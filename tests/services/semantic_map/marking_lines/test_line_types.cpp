@@ -69,6 +69,29 @@ TEST(LineTypes, ASingleDashBetweenSolidLinesHasAGapOnEachSide) {
               ElementsAre(std::pair(kIsSolid, 1), std::pair(kIsDashed, 1), std::pair(kIsSolid, 1)));
 }
 
+TEST(LineTypes, ASingleDashBetweenSolidLinesIsADashWhereTheLaterOneBeginsInTheGap) {
+  EXPECT_THAT(types_of({{0, 11}, {17, 20}, {22.3, 48}}),
+              ElementsAre(std::pair(kIsSolid, 1), std::pair(kIsDashed, 1), std::pair(kIsSolid, 1)));
+}
+
+TEST(LineTypes, ASingleDashBehindASolidLineIsNoneOfIt) {
+  EXPECT_THAT(types_of({{0, 14.3}, {20.5, 23.7}}), ElementsAre(std::pair(kIsSolid, 1), std::pair(kIsDashed, 1)));
+  EXPECT_THAT(types_of({{0, 3.2}, {9.4, 23.7}}), ElementsAre(std::pair(kIsDashed, 1), std::pair(kIsSolid, 1)));
+  EXPECT_THAT(types_of({{0, 14.3}, {20.5, 23.7}}, {{14.3, 20.5}}), ElementsAre(std::pair(kIsSolid, 2)));
+}
+
+TEST(LineTypes, ASingleDashMayBeWornInTwo) {
+  EXPECT_THAT(types_of({{0, 14.3}, {20.3, 21.5}, {22, 23.4}}),
+              ElementsAre(std::pair(kIsSolid, 1), std::pair(kIsDashed, 2)));
+}
+
+TEST(LineTypes, APieceBetweenWornHolesIsNoDash) {
+  EXPECT_THAT(types_of({{0, 9}, {9.8, 10.9}, {11.6, 20}}), ElementsAre(std::pair(kIsSolid, 3)));
+  EXPECT_THAT(types_of({{0, 9}, {10.7, 12.1}, {14.2, 25}}), ElementsAre(std::pair(kIsSolid, 3)));
+  EXPECT_THAT(types_of({{0, 12}, {14, 16}}), ElementsAre(std::pair(kIsSolid, 2)));
+  EXPECT_THAT(types_of({{0, 4}, {5, 5.9}, {7, 7.9}, {9.1, 12.8}, {13.9, 21.1}}).front().first, kIsSolid);
+}
+
 /// From and to, m along x, of each part.
 std::vector<std::pair<int, int>> parts_of(const std::vector<std::pair<double, double>>& painted) {
   std::vector<std::pair<int, int>> parts;
@@ -100,9 +123,9 @@ TEST(LineTypes, DashesThatGoOverIntoAWornLineAreALineOfTheirOwn) {
       ElementsAre(std::pair(kIsDashed, 5), std::pair(kIsSolid, 3)));
 }
 
-TEST(LineTypes, HolesOfAMetreHaveNoRhythm) {
-  EXPECT_THAT(types_of({{0, 20}, {21, 22}, {23, 24}, {25, 26}}).front(), std::pair(kIsSolid, std::size_t{1}));
-  EXPECT_EQ(parts_of({{0, 20}, {21, 22}, {23, 24}, {25, 26}}).front(), std::pair(0, 20));
+TEST(LineTypes, HolesOfAMetreBesideASolidLineHaveNoRhythm) {
+  EXPECT_THAT(types_of({{0, 20}, {21, 22}, {23, 24}, {25, 26}}), ElementsAre(std::pair(kIsSolid, 4)));
+  EXPECT_THAT(types_of({{21, 22}, {23, 24}, {25, 26}}), ElementsAre(std::pair(kIsDashed, 3))) << "beside none";
 }
 
 TEST(LineTypes, WhatAWornHolePartsFromASolidLineIsSolid) {
