@@ -111,7 +111,11 @@ TEST(ConfigFiles, ASettingOfTheCommandLineIsReadLikeALineOfTheFile) {
   EXPECT_EQ(complaint_about_setting("radius=0,2"),
             "--set radius=0,2: radius: expected a number, not '0,2': write 0.2 (m, of the wheels)");
   EXPECT_EQ(complaint_about_setting("radios=0.2"), "--set radios=0.2: radios: unknown key; did you mean radius?");
+  EXPECT_NE(complaint_about_setting("folder=/a #b"), "") << "no comment is cut off in secret";
+  EXPECT_NE(complaint_about_setting("folder='/a"), "");
   ConfigOf<DriveConfig> config;
+  set_config_value("folder=/a's", config);
+  EXPECT_EQ(config.value.folder, "/a's");
   set_config_value("folder=/a,/b", config);
   set_config_value("offset=[1, 2, 3]", config);
   EXPECT_EQ(config.value.folder, "/a,/b");
@@ -140,6 +144,11 @@ TEST(ConfigFiles, ZeroBytesAreDamage) {
             "ugv.yaml:1: nothing but zero bytes, as after a power cut: write the file anew");
   EXPECT_EQ(complaint_about("drive:\n  node: 2\n" + std::string(100, '\0')),
             "ugv.yaml:3: a zero byte: the file is damaged: write it anew");
+}
+
+TEST(ConfigFiles, AKeyOutsideOfItsSectionSaysWhereItBelongs) {
+  EXPECT_EQ(complaint_about("drive:\nradius: 0.3\n"), "ugv.yaml:2: radius: unknown key; did you mean drive.radius?");
+  EXPECT_EQ(complaint_about("drives: {}\n"), "ugv.yaml:1: drives: unknown key; did you mean drive?");
 }
 
 TEST(ConfigFiles, AMissingColonOrASlipOfTheIndentationIsSaid) {
