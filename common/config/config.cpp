@@ -21,6 +21,7 @@ namespace curbstone {
 
 namespace {
 
+constexpr Range kAngle{-6.2832, 6.2832};     // rad, a whole turn: more is in degrees
 constexpr std::string_view kSet = "--set ";  // begins the name of a setting that is in no file
 
 /// ", not '0.2 m'": for errors.
@@ -70,6 +71,13 @@ class Loader final : public ConfigVisitor {
     }
     std::vector<double> read(list.size());
     for (std::size_t i = 0; i < read.size(); ++i) number(list[i], key, read[i], "a number", range, help);
+    value = read;
+  }
+
+  void pose(const char* key, std::vector<double>& value, Range range, const char* help) override {
+    std::vector<double> read = value;
+    field(key, read, {}, help, false);
+    for (std::size_t i = 0; i < read.size(); ++i) check(key, read[i], i < 3 ? range : kAngle, help);
     value = read;
   }
 

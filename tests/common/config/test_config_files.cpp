@@ -9,6 +9,7 @@
 
 #include "common/config/config.hpp"
 #include "common/config/number_advice.hpp"
+#include "common/config/vehicle.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace curbstone {
@@ -76,6 +77,25 @@ TEST(ConfigFiles, AListIsShownWithItsWrongNumber) {
             "(m, of the sensor)");
   EXPECT_EQ(complaint_about("drive:\n  offset: 0 0 1\n"),
             "ugv.yaml:2: drive.offset: expected a list of 3 numbers, not '0 0 1' (m, of the sensor)");
+}
+
+TEST(ConfigFiles, DegreesAreNoRadians) {
+  ConfigOf<VehicleConfig> config;
+  const auto complaint = [&](const std::string& pose) {
+    try {
+      parse_config("drive: {lidar: " + pose + "}", "ugv.yaml", "drive", kDriveSections, config);
+    } catch (const ConfigError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(complaint("[0, 0, 1.7, 0, 15, 0]"),
+            "ugv.yaml:1: drive.lidar: 15 is not within -6.2832 .. 6.2832 (T_base_lidar: x y z in m, roll pitch yaw in "
+            "rad)");
+  EXPECT_THAT(complaint("[0, 0, 1.7, 0, 0, -90]"), HasSubstr("-90 is not within -6.2832 .. 6.2832"));
+  EXPECT_THAT(complaint("[0, 0, 170, 0, 0, 0]"), HasSubstr("170 is not within -20 .. 20"));
+  EXPECT_EQ(complaint("[0, -19, 1.7, 3.1416, 0, -4.7124]"), "");
+  EXPECT_EQ(config.value.lidar[5], -4.7124);
 }
 
 TEST(ConfigFiles, ALeadingZeroIsNoOctalNumberInSecret) {
