@@ -21,6 +21,7 @@ namespace curbstone {
 
 namespace {
 
+constexpr Range kAngle{-6.2832, 6.2832};     // rad, a whole turn: more is in degrees
 constexpr std::string_view kSet = "--set ";  // begins the name of a setting that is in no file
 
 /// ", not '0.2 m'": for errors.
@@ -73,6 +74,13 @@ class Loader final : public ConfigVisitor {
     value = read;
   }
 
+  void pose(const char* key, std::vector<double>& value, Range range, const char* help) override {
+    std::vector<double> read = value;
+    field(key, read, {}, help, false);
+    for (std::size_t i = 0; i < read.size(); ++i) check(key, read[i], i < 3 ? range : kAngle, help);
+    value = read;
+  }
+
   /// Call it after the struct has visited all its fields.
   void leave() {
     const Level& level = levels_.back();
@@ -93,7 +101,9 @@ class Loader final : public ConfigVisitor {
     Level& level = levels_.back();
     level.known.emplace_back(key);
     if (!level.node.IsMap() || !level.node[key]) return false;
-    enter(level.node[key], level.path + key + ".");
+    // The section that processes share is named as it stands in the file, at the top.
+    const bool is_shared = levels_.size() == 1 && std::string_view(key) == "vehicle";
+    enter(level.node[key], (is_shared ? "" : level.path) + key + ".");
     return true;
   }
   void end_section() override { leave(); }
@@ -233,22 +243,6 @@ void load_node(const YAML::Node& node, const std::string& file, const std::strin
   loader.leave();
 }
 
-/// `line` counts from 0; negative if the parser does not know it.
-bool is_indented_by_tab(std::string_view text, int line) {
-  for (; line > 0; --line) {
-    const std::size_t end = text.find('\n');
-    if (end == std::string_view::npos) return false;
-    text.remove_prefix(end + 1);
-  }
-  return text.substr(0, text.find_first_not_of(" \t")).find('\t') != std::string_view::npos;
-}
-
-std::string syntax_advice(std::string_view text, const YAML::ParserException& error) {
-  if (is_indented_by_tab(text, error.mark.line)) return ": indent by spaces, not by a tab";
-  if (error.msg != YAML::ErrorMsg::MAP_VALUE) return "";
-  return ": is it indented as the lines around it, and has the line before its colon?";
-}
-
 }  // namespace
 
 void parse_config(std::string_view text, const std::string& name, const std::string& section, SectionNames sections,
@@ -260,7 +254,8 @@ void parse_config(std::string_view text, const std::string& name, const std::str
     refuse_second_document(std::string(text), name);
     refuse_duplicate_keys(std::string(text), name);
   } catch (const YAML::ParserException& error) {
-    throw ConfigError(fmt::format("{}:{}: {}{}", name, error.mark.line + 1, error.msg, syntax_advice(text, error)));
+    throw ConfigError(fmt::format("{}:{}: {}{}", name, error.mark.line + 1, error.msg,
+                                  syntax_advice(text, error.mark.line, error.msg)));
   }
   if (root.IsNull()) return;
   if (!root.IsMap()) throw ConfigError(fmt::format("{}:1: expected a map with a section for each process", name));
@@ -271,7 +266,8 @@ void parse_config(std::string_view text, const std::string& name, const std::str
       throw ConfigError(fmt::format("{}:{}: expected the name of a section", name, entry.first.Mark().line + 1));
     const auto key = entry.first.as<std::string>();
     if (std::find(known.begin(), known.end(), key) == known.end()) {
-      throw ConfigError(fmt::format("{}:{}: {}: {}", name, entry.first.Mark().line + 1, key, unknown_key(key, known)));
+      throw ConfigError(fmt::format("{}:{}: {}: {}", name, entry.first.Mark().line + 1, key,
+                                    unknown_key(key, known, section + ".", config)));
     }
   }
   YAML::Node own = root[section] ? root[section] : YAML::Node(YAML::NodeType::Map);
@@ -303,12 +299,20 @@ void set_config_value(std::string_view assignment, AnyConfig& config) {
   if (equals == std::string_view::npos || equals == 0) {
     throw ConfigError(fmt::format("--set {}: expected KEY=VALUE", assignment));
   }
-  std::string yaml;  // a.b=1,2 becomes "a:\n b: 1,2": in "{a: {b: 1,2}}", 2 would be a key
+  std::string value(assignment.substr(equals + 1));
+  const bool is_plain = value.find_first_of("[{'\"") != 0;
+  if (is_plain && value.find_first_of(",'") != std::string::npos) {  // in "{b: 1,2}", 2 would be a key
+    for (std::size_t at = 0; (at = value.find('\'', at)) != std::string::npos; at += 2) value.insert(at, 1, '\'');
+    value = "'" + value + "'";
+  }
+  std::string yaml;  // a.b=1 becomes {a: {b: 1}}
   std::string key(assignment.substr(0, equals));
-  std::string margin;
-  for (std::size_t dot; (dot = key.find('.')) != std::string::npos; key.erase(0, dot + 1), margin += ' ')
-    yaml += margin + key.substr(0, dot) + ":\n";
-  yaml += margin + key + ": " + std::string(assignment.substr(equals + 1)) + "\n";
+  std::string closing;
+  for (std::size_t dot; (dot = key.find('.')) != std::string::npos; key.erase(0, dot + 1)) {
+    yaml += "{" + key.substr(0, dot) + ": ";
+    closing += "}";
+  }
+  yaml += "{" + key + ": " + value + "}" + closing;
   try {
     load_node(YAML::Load(yaml), std::string(kSet) + std::string(assignment), "", config);
   } catch (const YAML::ParserException& error) {

@@ -55,6 +55,10 @@ class ConfigVisitor {
   /// A list with exactly as many numbers as `value` holds, or with any number of them if `any_length`.
   virtual void field(const char* key, std::vector<double>& value, Range range, const char* help,
                      bool any_length = false) = 0;
+  /// x, y, z in m and roll, pitch, yaw in rad. `range` is that of the position.
+  virtual void pose(const char* key, std::vector<double>& value, Range range, const char* help) {
+    field(key, value, range, help);
+  }
   template <class Section>
   void section(const char* key, Section& section, const char* help) {
     if (begin_section(key, help)) {

@@ -29,8 +29,8 @@ struct VehicleConfig {
     v.field("length", length, {0.1, 15.0}, "m, over all");
     v.field("middle", middle, {-10.0, 10.0}, "m, how far the middle of that length is ahead of the driven wheels");
     v.field("height", height, {0.1, 5.0}, "m, over all; what hangs higher does not block");
-    v.field("lidar", lidar, {-20.0, 20.0}, "T_base_lidar: x y z in m, roll pitch yaw in rad");
-    v.field("imu", imu, {-20.0, 20.0}, "T_base_imu: x y z in m, roll pitch yaw in rad");
+    v.pose("lidar", lidar, {-20.0, 20.0}, "T_base_lidar: x y z in m, roll pitch yaw in rad");
+    v.pose("imu", imu, {-20.0, 20.0}, "T_base_imu: x y z in m, roll pitch yaw in rad");
   }
 
   [[nodiscard]] Pose T_base_lidar() const { return pose(lidar); }

@@ -173,6 +173,12 @@ TEST(Config, VehicleSectionIsSharedByThoseWhoKnowIt) {
   ConfigOf<WithVehicle> other;
   parse_config(yaml, "ugv.yaml", "mapper", kSections, other);
   EXPECT_EQ(other.value.vehicle.wheel_radius, 0.3) << "also without a section of its own";
+  try {
+    parse_config("vehicle:\n  wheel_radius: 9\n", "ugv.yaml", "ekf", kSections, config);
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("ugv.yaml:2: vehicle.wheel_radius: 9 is not within")) << "as it stands there";
+  }
   ConfigOf<Inner> stranger;
   EXPECT_NO_THROW(parse_config(yaml, "ugv.yaml", "imu", kSections, stranger));
 }

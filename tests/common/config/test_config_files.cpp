@@ -9,6 +9,7 @@
 
 #include "common/config/config.hpp"
 #include "common/config/number_advice.hpp"
+#include "common/config/vehicle.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace curbstone {
@@ -78,6 +79,25 @@ TEST(ConfigFiles, AListIsShownWithItsWrongNumber) {
             "ugv.yaml:2: drive.offset: expected a list of 3 numbers, not '0 0 1' (m, of the sensor)");
 }
 
+TEST(ConfigFiles, DegreesAreNoRadians) {
+  ConfigOf<VehicleConfig> config;
+  const auto complaint = [&](const std::string& pose) {
+    try {
+      parse_config("drive: {lidar: " + pose + "}", "ugv.yaml", "drive", kDriveSections, config);
+    } catch (const ConfigError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(complaint("[0, 0, 1.7, 0, 15, 0]"),
+            "ugv.yaml:1: drive.lidar: 15 is not within -6.2832 .. 6.2832 (T_base_lidar: x y z in m, roll pitch yaw in "
+            "rad)");
+  EXPECT_THAT(complaint("[0, 0, 1.7, 0, 0, -90]"), HasSubstr("-90 is not within -6.2832 .. 6.2832"));
+  EXPECT_THAT(complaint("[0, 0, 170, 0, 0, 0]"), HasSubstr("170 is not within -20 .. 20"));
+  EXPECT_EQ(complaint("[0, -19, 1.7, 3.1416, 0, -4.7124]"), "");
+  EXPECT_EQ(config.value.lidar[5], -4.7124);
+}
+
 TEST(ConfigFiles, ALeadingZeroIsNoOctalNumberInSecret) {
   EXPECT_EQ(complaint_about("drive: {node: 010}"), "ugv.yaml:1: drive.node: '010' may be octal: write 10");
   EXPECT_EQ(complaint_about("drive: {node: 009}"), "ugv.yaml:1: drive.node: '009' may be octal: write 9");
@@ -111,7 +131,11 @@ TEST(ConfigFiles, ASettingOfTheCommandLineIsReadLikeALineOfTheFile) {
   EXPECT_EQ(complaint_about_setting("radius=0,2"),
             "--set radius=0,2: radius: expected a number, not '0,2': write 0.2 (m, of the wheels)");
   EXPECT_EQ(complaint_about_setting("radios=0.2"), "--set radios=0.2: radios: unknown key; did you mean radius?");
+  EXPECT_NE(complaint_about_setting("folder=/a #b"), "") << "no comment is cut off in secret";
+  EXPECT_NE(complaint_about_setting("folder='/a"), "");
   ConfigOf<DriveConfig> config;
+  set_config_value("folder=/a's", config);
+  EXPECT_EQ(config.value.folder, "/a's");
   set_config_value("folder=/a,/b", config);
   set_config_value("offset=[1, 2, 3]", config);
   EXPECT_EQ(config.value.folder, "/a,/b");
@@ -140,6 +164,11 @@ TEST(ConfigFiles, ZeroBytesAreDamage) {
             "ugv.yaml:1: nothing but zero bytes, as after a power cut: write the file anew");
   EXPECT_EQ(complaint_about("drive:\n  node: 2\n" + std::string(100, '\0')),
             "ugv.yaml:3: a zero byte: the file is damaged: write it anew");
+}
+
+TEST(ConfigFiles, AKeyOutsideOfItsSectionSaysWhereItBelongs) {
+  EXPECT_EQ(complaint_about("drive:\nradius: 0.3\n"), "ugv.yaml:2: radius: unknown key; did you mean drive.radius?");
+  EXPECT_EQ(complaint_about("drives: {}\n"), "ugv.yaml:1: drives: unknown key; did you mean drive?");
 }
 
 TEST(ConfigFiles, AMissingColonOrASlipOfTheIndentationIsSaid) {

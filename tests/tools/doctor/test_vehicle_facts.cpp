@@ -82,6 +82,13 @@ TEST_F(VehicleFacts, NothingIsSaidOfServicesWhoseSettingsTheFilesDoNotTell) {
   EXPECT_THAT(wishes.config_hashes, ::testing::IsEmpty());
 }
 
+TEST_F(VehicleFacts, AnErrorOfTheSharedSectionIsSaidOnce) {
+  const auto wishes = read("vehicle: {wheel_radius: 9}", "");
+  ASSERT_EQ(wishes.facts.configs.size(), 2U);
+  EXPECT_THAT(wishes.facts.configs[0].error, HasSubstr("ugv.yaml:1: vehicle.wheel_radius: "));
+  EXPECT_EQ(wishes.facts.configs[1].error, "");
+}
+
 /// Each section that a program of the vehicle reads; `simulate` is no part of it.
 TEST_F(VehicleFacts, AWrongKeyOfAnySectionIsAFinding) {
   for (const std::string_view section : kProcessSections) {
