@@ -8,9 +8,7 @@
 #include <stdexcept>
 
 #include "common/bus/local_bus.hpp"
-#include "common/config/config.hpp"
 #include "common/log/log_reader.hpp"
-#include "config/sections.hpp"
 #include "services/ekf/ekf_messages.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/mapper/mapper_node.hpp"
@@ -21,18 +19,28 @@ namespace curbstone::calibrate {
 
 namespace {
 
-template <class Config>
-Config load(const std::string& section, const std::string& file) {
-  ConfigOf<Config> config;
-  if (!file.empty()) load_config(file, section, kProcessSections, config);
-  return config.value;
-}
-
 bool has_map_poses(const std::string& log) {
   LogReader reader(log);
   while (const auto event = reader.next())
     if (event->channel == "MAP_POSE") return true;
   return false;
+}
+
+/// The mapper that runs here makes a map of its own: journal and folder are the vehicle's.
+mapper::config::MapperConfig own_mapper(const std::string& config_file, const recording::RecordedConfig& recorded) {
+  mapper::config::MapperConfig config =
+      recording::config_of<mapper::config::MapperConfig>("mapper", config_file, recorded, {}).value;
+  config.journal.clear();
+  config.folder.clear();
+  config.mode = mapper::config::MapMode::kMap;
+  return config;
+}
+
+/// Where the mapper that made MAP_POSE believed the LiDAR to be. A file given now may be another one.
+Pose lidar_of_map_poses(const std::string& config_file, const recording::RecordedConfig& recorded) {
+  if (recorded.sections.contains("mapper")) return recorded.vehicle().T_base_lidar();
+  return recording::config_of<mapper::config::MapperConfig>("mapper", config_file, recorded, {})
+      .value.vehicle.T_base_lidar();
 }
 
 /// Collects the messages of a bus.
@@ -71,13 +79,13 @@ class Collector {
 
 }  // namespace
 
-CalibrationData read_drive(const std::string& log, const std::string& config_file, bool map_anew) {
-  auto mapper_config = load<mapper::config::MapperConfig>("mapper", config_file);
-  mapper_config.journal.clear();  // would be of the vehicle's own drive
+CalibrationData read_drive(const std::string& log, const std::string& config_file,
+                           const recording::RecordedConfig& recorded, bool map_anew) {
+  const mapper::config::MapperConfig mapper_config = own_mapper(config_file, recorded);
   const bool given = !map_anew && has_map_poses(log);
   LocalBus bus;
-  Collector collector(bus, mapper_config.vehicle.T_base_lidar());
-  auto ekf_config = load<ekf::base::EkfConfig>("ekf", config_file);
+  Collector collector(bus, given ? lidar_of_map_poses(config_file, recorded) : mapper_config.vehicle.T_base_lidar());
+  ekf::base::EkfConfig ekf_config = recording::config_of<ekf::base::EkfConfig>("ekf", config_file, recorded, {}).value;
   ekf_config.state_file.clear();  // would be of the vehicle's own drive
   ekf::EkfNode ekf(ekf_config, bus);
   mapper::MapperNode mapper(mapper_config, bus);
