@@ -1,9 +1,12 @@
 #include "tools/calibrate/drive_data.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <curbstone/imu_t.hpp>
 #include <curbstone/map_pose_t.hpp>
 #include <curbstone/odometry_t.hpp>
+#include <curbstone/service_status_t.hpp>
 #include <curbstone/wheels_t.hpp>
 #include <stdexcept>
 
@@ -43,6 +46,12 @@ Pose lidar_of_map_poses(const std::string& config_file, const recording::Recorde
       .value.vehicle.T_base_lidar();
 }
 
+/// A mapper that has corrected vehicle.lidar by itself: its poses are not those of the configured mounting, from which
+/// the calibration goes on. It would find the wrong mounting right.
+bool is_correction(const std::string& counter) {
+  return counter == "lidar_turned" || counter == "lidar_turned_over";
+}
+
 /// Collects the messages of a bus.
 class Collector {
  public:
@@ -54,12 +63,15 @@ class Collector {
       if (ekf::why_refused(m) == nullptr && newer(data_.wheels, m.utime)) data_.wheels.push_back(ekf::sample_of(m));
     });
     bus.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& m) { on(m); });
+    bus.subscribe<service_status_t>("SERVICE_STATUS", [this](const service_status_t& m) { on(m); });
     bus.subscribe<odometry_t>("ODOMETRY", [this](const odometry_t& m) {
       const Eigen::Vector3d bias(m.gyro_bias);
       if (bias.allFinite()) data_.gyro_bias = bias;
     });
   }
   [[nodiscard]] CalibrationData take() { return std::move(data_); }
+  /// Whether the mapper that made MAP_POSE said that it had corrected the LiDAR's mounting.
+  [[nodiscard]] bool is_corrected() const { return is_corrected_; }
 
  private:
   template <class Sample>
@@ -73,9 +85,28 @@ class Collector {
     data_.lidar.push_back({m.utime, T_map_base * T_base_lidar_});
   }
 
+  void on(const service_status_t& m) {
+    for (std::size_t i = 0; m.service == "mapper" && i < m.counter_name.size(); ++i)
+      is_corrected_ = is_corrected_ || (is_correction(m.counter_name[i]) && m.counter_value[i] > 0);
+  }
+
   Pose T_base_lidar_;
   CalibrationData data_;
+  bool is_corrected_ = false;
 };
+
+/// Empty if the mapper has used the LiDAR as configured; else what it said.
+std::string correction_in(const NodeReport& report) {
+  const auto& counters = report.counters.values();
+  if (std::none_of(counters.begin(), counters.end(),
+                   [](const auto& c) { return is_correction(c.first) && c.second > 0; }))
+    return {};
+  std::string said = "it is not mounted as configured";
+  for (const std::string& fault : report.faults) {
+    if (fault.find("is used so") != std::string::npos) said = fault;
+  }
+  return said;
+}
 
 }  // namespace
 
@@ -98,7 +129,8 @@ CalibrationData read_drive(const std::string& log, const std::string& config_fil
     bus.dispatch();
   };
   const auto wanted = [&](const std::string& channel) {
-    return channel == "IMU" || channel == "WHEELS" || channel == (given ? "MAP_POSE" : "LIDAR_POINTS");
+    return channel == "IMU" || channel == "WHEELS" || channel == (given ? "MAP_POSE" : "LIDAR_POINTS") ||
+           (given && channel == "SERVICE_STATUS");
   };
   output::read_in_order(reader, wanted, deliver);
   ekf.finish();
@@ -106,6 +138,13 @@ CalibrationData read_drive(const std::string& log, const std::string& config_fil
   if (!given) mapper.finish();
   bus.dispatch();
 
+  const std::string correction =
+      given ? (collector.is_corrected() ? "its faults say how" : "") : correction_in(mapper.report());
+  if (!correction.empty())
+    throw std::runtime_error(
+        fmt::format("{}: the mapper has corrected the mounting of the LiDAR ({}): correct vehicle.lidar "
+                    "in a file for --config, and calibrate from that with --map-anew",
+                    log, correction));
   CalibrationData data = collector.take();
   data.log_is_damaged = reader.damaged();
   if (data.imu.empty()) throw std::runtime_error(log + ": holds no IMU");

@@ -4,6 +4,7 @@
 #include <curbstone/imu_t.hpp>
 #include <curbstone/map_pose_t.hpp>
 #include <curbstone/service_config_t.hpp>
+#include <curbstone/service_status_t.hpp>
 #include <curbstone/wheels_t.hpp>
 #include <filesystem>
 #include <fstream>
@@ -146,6 +147,34 @@ TEST_F(RunCalibrate, FindsTheSameAgainFromAFileThatIsRightAlready) {
   write_config(true_vehicle());
   ASSERT_EQ(run({log_, "--config", config_, "--out", folder_ / "new.yaml"}), 0);
   EXPECT_NEAR(calibrated().lidar[5], true_vehicle().lidar[5], 0.1 * 3.1416 / 180.0);
+}
+
+/// The mapper corrects the mounting by itself, so that its poses do not show the error.
+TEST_F(RunCalibrate, DoesNotCallAMountingRightThatTheMapperCorrected) {
+  std::ofstream(config_) << "vehicle:\n  lidar: [0, 0, 1.73, 0, 0, 0.2]\n";
+  simulate_town("12", {"--config", config_});
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(run({log_}), 1);
+  const std::string said = ::testing::internal::GetCapturedStderr();
+  EXPECT_THAT(said, ::testing::HasSubstr("the mapper has corrected the mounting of the LiDAR"));
+  EXPECT_THAT(said, ::testing::HasSubstr("set its yaw to 0."));
+}
+
+TEST_F(RunCalibrate, DoesNotCallAMountingRightThatTheVehiclesMapperCorrected) {
+  write_log(drive_to_calibrate(town_motion(), 30.0, 1));
+  {
+    service_status_t status{};
+    status.service = "mapper";
+    status.counter_name = {"lidar_turned"};
+    status.counter_value = {1};
+    status.num_counters = 1;
+    LogWriter more(folder_ / "more");
+    write(more, "SERVICE_STATUS", status);
+  }
+  std::ofstream(log_, std::ios::binary | std::ios::app) << std::ifstream(folder_ / "more", std::ios::binary).rdbuf();
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(run({log_}), 1);
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), ::testing::HasSubstr("calibrate from that with --map-anew"));
 }
 
 TEST_F(RunCalibrate, LeavesTheMapOfTheVehicleAlone) {
