@@ -65,11 +65,11 @@ TEST_F(BadLogs, MessagesOfAnotherTypeAreCountedAndMakeNoMap) {
     LogWriter log(log_);
     for (int i = 0; i < 300; ++i) {
       const std::int64_t utime = kStart + i * 10'000;
-      log.write("LIDAR_POINTS", "of another program", 18, utime);
       imu_t message{};
       message.utime = utime;
       std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
       message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+      log.write("LIDAR_POINTS", bytes.data(), static_cast<int>(bytes.size()), utime);
       if (with_ours) log.write("IMU", bytes.data(), static_cast<int>(bytes.size()) - (i % 3 == 0 ? 5 : 0), utime);
     }
   };

@@ -9,11 +9,11 @@
 #include "common/config/command_line.hpp"
 #include "common/config/config.hpp"
 #include "common/config/vehicle.hpp"
-#include "config/sections.hpp"
 #include "tools/calibrate/calibration.hpp"
 #include "tools/calibrate/drive_data.hpp"
 #include "tools/output/inputs.hpp"
 #include "tools/output/text_file.hpp"
+#include "tools/recording/recorded_config.hpp"
 
 namespace curbstone::calibrate {
 
@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kDegrees = 57.29577951308232;
 
-/// A configuration with only the section `vehicle:`, for load_config().
+/// A configuration with only the section `vehicle:`.
 struct VehicleOnly {
   VehicleConfig vehicle;
   void visit(ConfigVisitor& v) { v.section("vehicle", vehicle, "what all processes share about the vehicle"); }
@@ -37,7 +37,7 @@ void print(const CalibrationResult& result) {
       "accelerometer {:.0f} mm/s\n\n",
       result.segments, result.distance, result.turned * kDegrees, 1e3 * result.noise[0], 1e3 * result.noise[1],
       1e3 * result.noise[2]);
-  fmt::print("  {:<20} {:>13} {:>13} {:>13}\n", "", "file", "found", "1 sigma");
+  fmt::print("  {:<20} {:>13} {:>13} {:>13}\n", "", "configured", "found", "1 sigma");
   for (const CalibratedValue& v : result.values) {
     fmt::print("  {:<20} {} {} {}  {}\n", v.name, shown(v, v.configured), shown(v, v.value), shown(v, v.sigma),
                v.observed      ? ""
@@ -53,7 +53,7 @@ void print(const CalibrationResult& result) {
   for (const CalibratedValue& v : result.values)
     if (!v.observed) kept += (kept.empty() ? "" : ", ") + v.name;
   fmt::print("\nverdict: {}\n", kept.empty() ? "this drive tells everything"
-                                             : "this drive does not tell " + kept + ": they stay as the file has them");
+                                             : "this drive does not tell " + kept + ": they stay as configured");
 }
 
 std::string yaml(const CalibrationResult& result) {
@@ -64,9 +64,9 @@ std::string yaml(const CalibrationResult& result) {
   const VehicleConfig& v = result.vehicle;
   return fmt::format(
       "vehicle:\n  wheel_radius: {:.5f}  # left {:.5f}, right {:.5f}\n  track_width: {:.4f}\n  width: {}\n"
-      "  length: {}\n  height: {}\n  lidar: {}\n  imu: {}\n",
+      "  length: {}\n  middle: {}\n  height: {}\n  lidar: {}\n  imu: {}\n",
       v.wheel_radius, result[Calibrated::kRadiusLeft].value, result[Calibrated::kRadiusRight].value, v.track_width,
-      v.width, v.length, v.height, list(v.lidar), list(v.imu));
+      v.width, v.length, v.middle, v.height, list(v.lidar), list(v.imu));
 }
 
 nlohmann::json json(const CalibrationResult& result) {
@@ -106,16 +106,19 @@ int run_calibrate(int argc, char** argv) {
   CommandLine line("Wheel radii, track and the places of LiDAR and IMU from a drive, and what the drive could not tell",
                    "curbstone calibrate");
   line.argument("log", log, "Log with IMU, WHEELS, and LIDAR_POINTS or MAP_POSE").required();
-  line.option("--config", config_file, "The vehicle's YAML file: where to start from");
+  line.option("--config", config_file,
+              "The vehicle's YAML file: where to start from, instead of what the log was recorded with");
   line.flag("--map-anew", map_anew, "Run filter and mapper even if the log holds MAP_POSE");
   line.option("--out", yaml_file, "Write the vehicle: section to this file instead of standard output");
   line.option("--json", json_file, "Write everything to this file");
   if (const auto status = line.read(argc, argv)) return *status;
   for (const std::string& file : {yaml_file, json_file}) output::refuse_to_overwrite({log, config_file}, file);
-  ConfigOf<VehicleOnly> config;
-  if (!config_file.empty()) load_config(config_file, "calibrate", kProcessSections, config);
-  const CalibrationData data = read_drive(log, config_file, map_anew);
+  LogFiles head({log});
+  const recording::RecordedConfig recorded = recording::recorded_config(head);
+  const auto config = recording::config_of<VehicleOnly>("calibrate", config_file, recorded, {});
+  const CalibrationData data = read_drive(log, config_file, recorded, map_anew);
   const CalibrationResult result = calibrate(data, config.value.vehicle);
+  fmt::print("configuration: {}\n", recording::source_of_configuration({"ekf", "mapper"}, config_file, recorded, {}));
   print(result);
   if (yaml_file.empty())
     fmt::print("\n{}", yaml(result));

@@ -149,7 +149,8 @@ void report(const Summary& summary, const VehicleLine& vehicle, double wall_seco
   if (summary.refused > 0) fmt::print("  refused.time {}\n", summary.refused);
   for (const auto& [channel, count] : summary.other_type)
     fmt::print("  refused.type {}: messages on {} that have another type than the drivers'\n", count, channel);
-  for (const auto& [name, value] : vehicle.bus_counters().values()) fmt::print("  {} {}\n", name, value);
+  const Counters bus = vehicle.bus_counters();
+  for (const auto& [name, value] : bus.values()) fmt::print("  {} {}\n", name, value);
   for (const auto& stage : vehicle.stages()) {
     const NodeReport report = stage.node->report();
     for (const auto& [name, value] : report.counters.values()) {

@@ -52,7 +52,8 @@ void StageLine::finish() {
 Counters StageLine::bus_counters() const {
   Counters counters;
   for (const auto& place : places_) {
-    for (const auto& [name, value] : place->group->bus().counters().values()) counters.add(name, value);
+    const Counters of_group = place->group->bus().counters();
+    for (const auto& [name, value] : of_group.values()) counters.add(name, value);
   }
   return counters;
 }

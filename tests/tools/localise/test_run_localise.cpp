@@ -19,11 +19,11 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// A second of a town's drive, and a map of one tile, on which it is lost.
+/// The begin of a town's drive, and a map of one tile, on which it is lost.
 class RunLocalise : public ::testing::Test {
  protected:
   void SetUp() override {
-    ASSERT_EQ(run(simulate::run_simulate, {"simulate", "--town", "--seconds", "1", "--log", bare_}), 0);
+    ASSERT_EQ(run(simulate::run_simulate, {"simulate", "--town", "--seconds", "3", "--log", bare_}), 0);
     semantic_map::tile::MapTile tile;
     tile.cell_class.fill(semantic_map::tile::CellClass::kRoad);
     tile.height.fill(0);
