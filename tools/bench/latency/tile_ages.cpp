@@ -50,6 +50,13 @@ void TileAges::on_message(const TimedMessage& message) {
   }
 }
 
+TileAges TileAges::next_part() const {
+  TileAges next;
+  next.epoch_ = epoch_;
+  next.epoch_began_ = epoch_began_;
+  return next;
+}
+
 /// A new epoch sends the whole map again, which MAP_POINTS are the first to say.
 void TileAges::follow_epoch(std::int32_t epoch, std::int64_t at) {
   if (epoch_ && epoch <= *epoch_) return;

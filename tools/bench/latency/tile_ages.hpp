@@ -26,6 +26,8 @@ struct AgeFigures {
 class TileAges {
  public:
   void on_message(const TimedMessage& message);
+  /// Those of the part of the drive that follows: none yet, of the same epoch.
+  [[nodiscard]] TileAges next_part() const;
 
   [[nodiscard]] AgeFigures age(const std::string& channel) const;
   /// Age of the points of each MAP_POINTS when their tile is sent. Points that changed nothing in the tile do not

@@ -37,6 +37,9 @@ TEST(TileAges, WhatANewEpochMovesIntoAnotherTileIsNotOld) {
   EXPECT_NEAR(ages.age("MAP_POINTS").max, 50, 1e-9);
   EXPECT_NEAR(ages.news().max, 60, 1e-9);
   EXPECT_NEAR(ages.curb_news().max, 60, 1e-9);
+  ages = ages.next_part();
+  map(2, 7, 41 * kSecond, 93 * kSecond);  // the last of what was sent again
+  EXPECT_EQ(ages.age("SEMANTIC_TILE").count, 0U);
 }
 
 }  // namespace
