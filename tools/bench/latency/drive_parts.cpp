@@ -70,7 +70,7 @@ DrivePart DriveParts::end_part(std::int64_t utime) {
     part.longest_ms[name] = static_cast<double>(process->take_longest_us()) * 1e-3;
   }
   part.age = ages_.news();
-  ages_ = {};
+  ages_ = ages_.next_part();
   part.memory_mb = resident_megabytes();
   part_begin_ = utime;
   return part;

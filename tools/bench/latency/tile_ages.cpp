@@ -29,7 +29,9 @@ void TileAges::on_message(const TimedMessage& message) {
   } else if (message.channel == "MAP_POINTS") {
     map_points_t m;
     if (!message.decode(m)) return;
+    follow_epoch(m.epoch, message.at);
     sent_tile(message.channel, {m.tile_x, m.tile_y}, m.utime, message.at);
+    if (m.utime <= epoch_began_) return;
     for (News* news : {&tiles_, &curbs_}) news->waiting[{m.tile_x, m.tile_y}].push_back(m.utime);
   } else if (message.channel == "VOTED_POINTS") {
     voted_points_t m;
@@ -46,6 +48,22 @@ void TileAges::on_message(const TimedMessage& message) {
     curb_lines_t m;
     if (message.decode(m)) say_lines(m, message.at);
   }
+}
+
+TileAges TileAges::next_part() const {
+  TileAges next;
+  next.epoch_ = epoch_;
+  next.epoch_began_ = epoch_began_;
+  return next;
+}
+
+/// A new epoch sends the whole map again, which MAP_POINTS are the first to say.
+void TileAges::follow_epoch(std::int32_t epoch, std::int64_t at) {
+  if (epoch_ && epoch <= *epoch_) return;
+  if (epoch_) epoch_began_ = at;
+  epoch_ = epoch;
+  for (News* news : {&tiles_, &curbs_}) news->waiting.clear();
+  unsaid_.clear();
 }
 
 std::vector<TileAges::Measured> TileAges::News::out(TileKey key, std::int64_t utime, std::int64_t at) {
@@ -75,7 +93,7 @@ void TileAges::sent_tile(const std::string& channel, TileKey key, std::int64_t u
   Channel& c = channels_[channel];
   ++c.sent;
   std::int64_t& newest = c.newest[key];
-  if (utime <= newest) return;
+  if (utime <= std::max(newest, epoch_began_)) return;
   newest = utime;
   c.ages.push_back(static_cast<double>(at - utime) * 1e-3);
 }
