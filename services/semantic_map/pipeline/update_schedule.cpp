@@ -20,7 +20,6 @@ constexpr std::int64_t kOverdue = 1'000'000;         // us: what waits for longe
 constexpr double kNear = 20;                         // m: there a tile is half as urgent as at the vehicle
 constexpr double kMeanUpdate = 1.7;                  // WorkResult::cost of a tile's update, on average in a town
 constexpr double kLeastUpdate = 0.5;                 // beside what is counted: no update is for nothing
-constexpr int kGrownInRow = 3;                       // tiles that have grown for each other one, where both wait
 
 }  // namespace
 
@@ -32,25 +31,16 @@ void UpdateSchedule::voted(const VotedChange& change, std::int64_t now) {
   pending.cost = change.update_cost;
   pending.num_steps += 1;
   pending.mean_step_at += (static_cast<double>(now - pending.since) - pending.mean_step_at) / pending.num_steps;
-  const bool was_shown = std::exchange(pending.is_shown, false);
-  if (change.points_before > 0 && change.points > change.points_before) {
-    if (!std::exchange(pending.is_in_grown, true)) grown_.push_back(change.key);
-  } else if (was_shown) {
-    unshown_.push_back(change.key);
-  }
+  if (std::exchange(pending.is_shown, false)) unshown_.push_back(change.key);
 }
 
 std::optional<TileWork> UpdateSchedule::next_to_show() {
-  while (!grown_.empty() || !unshown_.empty()) {
-    const bool from_grown = !grown_.empty() && (unshown_.empty() || grown_in_row_ < kGrownInRow);
-    grown_in_row_ = from_grown ? grown_in_row_ + 1 : 0;
-    std::deque<TileKey>& queue = from_grown ? grown_ : unshown_;
-    const TileKey key = queue.front();
-    queue.pop_front();
-    const auto found = pending_.find(key);
-    if (found == pending_.end()) continue;  // was brought up to date
-    if (from_grown) found->second.is_in_grown = false;
-    if (!std::exchange(found->second.is_shown, true)) return TileWork{TileWork::Kind::kUpdateColumns, key};
+  while (!unshown_.empty()) {
+    const TileKey key = unshown_.front();
+    unshown_.pop_front();
+    const auto pending = pending_.find(key);
+    if (pending == pending_.end() || std::exchange(pending->second.is_shown, true)) continue;  // was brought up to date
+    return TileWork{TileWork::Kind::kUpdateColumns, key};
   }
   return std::nullopt;
 }

@@ -23,7 +23,6 @@ class UpdateSchedule {
   /// A tile has new points or tensors.
   void voted(const VotedChange& change, std::int64_t now);
   /// Columns and classes of the tile that has waited longest for them: cheap, and what a vehicle must know first.
-  /// Tiles that have got more points come before those that came as a whole: a new epoch brings all of the map at once.
   /// Ground and curbs are left to next_work(). Nothing if no tile waits.
   std::optional<TileWork> next_to_show();
   /// Ground and curbs of one tile with new points: the one of which most points have waited longest for what it costs,
@@ -33,7 +32,7 @@ class UpdateSchedule {
   std::optional<TileWork> next_work(const Eigen::Vector2d& vehicle, const Backlog& backlog, std::int64_t now);
   /// The work of next_work() is done, and cost so much.
   void spent(double cost);
-  void clear() { pending_.clear(), grown_.clear(), unshown_.clear(); }
+  void clear() { pending_.clear(), unshown_.clear(); }
   /// Tiles whose curbs wait for next_work().
   [[nodiscard]] std::size_t num_waiting() const { return pending_.size(); }
 
@@ -46,8 +45,7 @@ class UpdateSchedule {
     double num_steps = 0;     // with new points, since then
     double mean_step_at = 0;  // us after `since`: when they came, on average
     double cost = 0;          // of its last update; 0: there was none
-    bool is_shown = false;    // its columns and classes include all points; else it is in unshown_ or grown_
-    bool is_in_grown = false;
+    bool is_shown = false;    // its columns and classes include all points; else it is in unshown_
   };
   [[nodiscard]] static double urgency(const Pending& pending, double distance, std::int64_t now);
   void earn_work(std::int64_t now);
@@ -56,12 +54,10 @@ class UpdateSchedule {
 
   double work_per_tick_;
   std::map<TileKey, Pending> pending_;
-  std::deque<TileKey> grown_;    // to be shown, with points that were measured just now
-  std::deque<TileKey> unshown_;  // to be shown, the others; may list tiles that were shown with grown_
-  int grown_in_row_ = 0;         // tiles shown of grown_ since one of unshown_ was
-  double budget_ = 0;            // of WorkResult::cost
-  double settling_owed_ = 0;     // likewise: the stale steps' share of the work done so far, not yet given
-  bool settles_ = false;         // whether the last work was a stale step, and not a tile's update
+  std::deque<TileKey> unshown_;
+  double budget_ = 0;         // of WorkResult::cost
+  double settling_owed_ = 0;  // likewise: the stale steps' share of the work done so far, not yet given
+  bool settles_ = false;      // whether the last work was a stale step, and not a tile's update
   std::int64_t earned_at_ = 0;
   std::deque<std::pair<std::int64_t, std::int64_t>> turns_;  // when it was whose turn, of the last second
 };
