@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/services/ekf/model/model_fixture.hpp"
 
 namespace curbstone::ekf::model {
@@ -82,7 +84,14 @@ TEST_F(CorrectionTest, AnOutlierLosesItsWeightButNotItsDirection) {
   EXPECT_TRUE(inflate_noise_beyond(kGate1, belief, z));
   EXPECT_FALSE(inflate_noise_beyond(kGate1, belief, far));
   EXPECT_EQ(z.R(0, 0), 1.0);
-  EXPECT_GT(far.R(0, 0), 100.0);
+  EXPECT_DOUBLE_EQ(far.R(0, 0), 100.0 * 100.0 / 2.0 / kGate1) << "the distance over the gate, with S = 2";
+}
+
+TEST_F(CorrectionTest, TheGatesAreQuantilesOfChiSquare) {
+  const double half1 = kGate1 / 2, half3 = kGate3 / 2, half6 = kGate6 / 2;
+  EXPECT_NEAR(std::erf(std::sqrt(half1)), 0.999, 2e-6);
+  EXPECT_NEAR(std::erf(std::sqrt(half3)) - 2 * std::sqrt(half3 / M_PI) * std::exp(-half3), 0.999, 2e-6);
+  EXPECT_NEAR(1 - std::exp(-half6) * (1 + half6 + half6 * half6 / 2), 0.999, 2e-6);
 }
 
 }  // namespace

@@ -38,6 +38,41 @@ TEST_F(ProcessModelTest, AnEvenCircleClosesAfterOneTurn) {
   EXPECT_LT(minus(state, start).norm(), 1e-3);
 }
 
+/// White noise of density q on a rate, for t seconds: the angle's variance is q^2 t, that of its integral q^2 t^3 / 3.
+TEST_F(ProcessModelTest, TheNoiseOfTheSensorsIsThatOfTheirDensities) {
+  const auto after_two_seconds = [](const base::NoiseConfig& noise) {
+    Belief belief;  // nothing is uncertain yet
+    for (int i = 0; i < 400; ++i) predict(belief, {Eigen::Vector3d::Zero(), {0, 0, kGravity}}, 0.005, noise);
+    return Eigen::VectorXd(belief.covariance.diagonal());
+  };
+  base::NoiseConfig noise;
+  noise.gyro = noise.accelerometer = noise.gyro_bias_walk = noise.accelerometer_bias_walk = noise.wheel_scale_walk = 0;
+  const base::NoiseConfig none = noise;
+  EXPECT_EQ(after_two_seconds(none).norm(), 0.0);
+
+  noise.gyro = 1e-3;
+  const Eigen::VectorXd by_gyro = after_two_seconds(noise);
+  EXPECT_NEAR(by_gyro[kAttitude + 2], 1e-6 * 2, 1e-8);
+  EXPECT_NEAR(by_gyro[kVelocity], 1e-6 * kGravity * kGravity * 8 / 3, 0.02 * by_gyro[kVelocity]) << "by the tilt";
+
+  noise = none;
+  noise.accelerometer = 1e-2;
+  const Eigen::VectorXd by_accelerometer = after_two_seconds(noise);
+  EXPECT_NEAR(by_accelerometer[kVelocity + 1], 1e-4 * 2, 1e-6);
+  EXPECT_NEAR(by_accelerometer[kPosition + 1], 1e-4 * 8 / 3, 0.02 * by_accelerometer[kPosition + 1]);
+
+  noise = none;
+  noise.gyro_bias_walk = 1e-4;
+  noise.accelerometer_bias_walk = 2e-4;
+  noise.wheel_scale_walk = 3e-4;
+  const Eigen::VectorXd by_walks = after_two_seconds(noise);
+  EXPECT_NEAR(by_walks[kGyroBias], 1e-8 * 2, 1e-12);
+  EXPECT_NEAR(by_walks[kAccelerometerBias], 4e-8 * 2, 1e-12);
+  EXPECT_NEAR(by_walks[kWheelScale], 9e-8 * 2, 1e-12);
+  EXPECT_NEAR(by_walks[kAttitude + 2], 1e-8 * 8 / 3, 0.02 * by_walks[kAttitude + 2]);
+  EXPECT_EQ(by_walks[kAxle], 0.0);
+}
+
 TEST_F(ProcessModelTest, NothingThatIsMeasuredDependsOnPositionOrYaw) {
   // This is why the velocity is kept in body axes: turning and moving the odom frame changes no prediction.
   const ErrorMatrix F = transition(state_, imu_, 0.01);

@@ -76,6 +76,28 @@ TEST(FitPose, APacketThatTheBusLostMovesThePoseByAMillimetreAtMost) {
   }
 }
 
+/// The information of one point at a pose that is known exactly: w J J^T, with Geman and McClure's weight, once all
+/// points are used (README.md of the localizer).
+Matrix6 information_of(const Eigen::Vector3d& point, const Pose& pose, fields::SavedMap& map) {
+  return fit_pose({point}, {pose, 1e-12 * Matrix6::Identity()}, map, {}).information;
+}
+Matrix6 by_equation(double residual, double sigma, double let_go, const Eigen::Vector3d& n, const Eigen::Vector3d& p,
+                    const Pose& pose) {
+  Vector6 J;
+  J << n, p.cross(pose.linear().transpose() * n);
+  return J * J.transpose() / (sigma * sigma * std::pow(1 + std::pow(residual / let_go, 2), 2));
+}
+
+TEST(FitPose, APointOfTheGroundCountsByItsHeightOverTheMap) {
+  fields::SavedMap map(map_of(Yard{.turned = 0}));
+  const Pose pose = pose_at(1, 2, 0.3);
+  for (const double above : {0.0, 0.03, -0.1}) {
+    const Eigen::Vector3d p(3, 1, above);
+    const Matrix6 expected = by_equation(above, 0.03, 2 * 0.03, Eigen::Vector3d::UnitZ(), p, pose);
+    EXPECT_LT((information_of(p, pose, map) - expected).norm(), 1e-6 * expected.norm()) << above;
+  }
+}
+
 TEST(FitPose, WithoutPointsStaysWithThePrior) {
   fields::SavedMap map(map_of(Yard{}));
   const PoseFit fit = fit_pose({}, belief(pose_at(0.5, 0, 0)), map, {});

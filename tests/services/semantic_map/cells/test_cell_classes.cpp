@@ -91,7 +91,11 @@ TEST(Classes, WhatWasNotSeenIsUnknownAndTheSafePolicyDoesNotEnterIt) {
   EXPECT_EQ(traversal_cost(tile::CellClass::kRoad, 0, safe), 0);
   EXPECT_EQ(traversal_cost(tile::CellClass::kWall, 0, safe), 254);
   EXPECT_EQ(traversal_cost(tile::CellClass::kCurb, 0.30, safe), 254) << "higher than the vehicle may climb";
-  EXPECT_LT(traversal_cost(tile::CellClass::kCurb, 0.05, safe), traversal_cost(tile::CellClass::kCurb, 0.14, safe));
+  ASSERT_EQ(safe.max_step, 0.15);
+  EXPECT_EQ(traversal_cost(tile::CellClass::kCurb, 0, safe), 60);
+  EXPECT_EQ(traversal_cost(tile::CellClass::kCurb, 0.05, safe), 106) << "60 + 140 / 3";
+  EXPECT_EQ(traversal_cost(tile::CellClass::kCurb, 0.14999, safe), 199);
+  EXPECT_EQ(traversal_cost(tile::CellClass::kCurb, 0.15001, safe), 254);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -43,6 +44,56 @@ double rms_off(const SmoothingSpline& spline, const Course& curve) {
   for (double s = spline.begin(); s < spline.end(); s += 0.05, ++count)
     sum += (spline.at(s) - curve(s)).head<2>().squaredNorm();
   return std::sqrt(sum / count);
+}
+
+/// B-spline of a degree on whole knots from `knot` on, by the recursion of Cox and de Boor.
+double b_spline(double t, int knot, int degree) {
+  if (degree == 0) return t >= knot && t < knot + 1 ? 1 : 0;
+  return ((t - knot) * b_spline(t, knot, degree - 1) + (knot + degree + 1 - t) * b_spline(t, knot + 1, degree - 1)) /
+         degree;
+}
+
+/// docs/method.md, section 12: the values at `places` of the spline that minimises what is said there, with weights by
+/// the fit before.
+std::vector<Values> spline_by_definition(const Samples& samples, const std::vector<double>& places) {
+  constexpr double kKnots = 0.5;
+  const double begin = samples.front().s;
+  const auto n = static_cast<Eigen::Index>(std::ceil((samples.back().s - begin) / kKnots)) + 3;
+  const auto basis_at = [&](double s) {
+    Eigen::RowVectorXd row(n);
+    for (Eigen::Index k = 0; k < n; ++k) row(k) = b_spline((s - begin) / kKnots, static_cast<int>(k) - 3, 3);
+    return row;
+  };
+  Eigen::MatrixXd third = Eigen::MatrixXd::Zero(n - 3, n), second = Eigen::MatrixXd::Zero(n - 2, n);
+  for (Eigen::Index k = 0; k < n - 3; ++k) third.row(k).segment<4>(k) << -1, 3, -3, 1;
+  for (Eigen::Index k = 0; k < n - 2; ++k) second.row(k).segment<3>(k) << 1, -2, 1;
+  Eigen::MatrixXd found = Eigen::MatrixXd::Zero(n, 4);
+  for (int round = 0; round < 3; ++round) {
+    Eigen::MatrixXd normal = 2 * third.transpose() * third + 0.001 * second.transpose() * second;
+    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, 4);
+    for (const SmoothingSpline::Sample& sample : samples) {
+      const Eigen::RowVectorXd row = basis_at(sample.s);
+      const double off = (sample.values.transpose() - row * found).head<2>().norm() / 0.03;
+      const double weight = sample.weight / (round == 0 ? 1 : 1 + off * off);
+      normal += weight * row.transpose() * row;
+      right += weight * row.transpose() * sample.values.transpose();
+    }
+    found = normal.ldlt().solve(right);
+  }
+  std::vector<Values> values;
+  for (const double s : places) values.emplace_back((basis_at(s) * found).transpose());
+  return values;
+}
+
+TEST(SmoothingSpline, MinimisesWhatTheMethodSays) {
+  Samples samples = sampled(cubic, 1, 7.3, 0.02);
+  for (std::size_t i = 0; i < samples.size(); ++i) samples[i].weight = 0.2 + 0.1 * static_cast<double>(i % 5);
+  samples[10].values.y() += 0.2;
+  const std::vector<double> places = {1, 1.7, 2.25, 4, 6.9};
+  const std::vector<Values> expected = spline_by_definition(samples, places);
+  const SmoothingSpline spline(samples);
+  for (std::size_t i = 0; i < places.size(); ++i)
+    EXPECT_LT((spline.at(places[i]) - expected[i]).cwiseAbs().maxCoeff(), 1e-6) << places[i];
 }
 
 TEST(SmoothingSpline, ReachesFromTheFirstSampleToTheLast) {

@@ -60,6 +60,21 @@ TEST(CurbSupport, ABendSupportsAlmostLikeAStraightLine) {
   EXPECT_GT(pooled(arc)[middle], 0.85 * pooled(straight)[middle]);
 }
 
+/// docs/method.md, section 11. The frame of a step: up is y, and along is -x.
+TEST(CurbSupport, WeighsAStepAlongTheArcAsTheMethodSays) {
+  struct Other {
+    double along, across, turned;
+  };
+  for (const Other& o : {Other{0.6, 0.02, 0.03}, {-0.9, 0.05, 0.1}, {1.5, -0.1, 0.02}, {1.9, 0, 0}}) {
+    const double beside = o.across / (0.06 + 0.20 * std::abs(o.along));
+    const double off = (std::sin(o.turned) + 2 * o.across / o.along) / 0.20;
+    const double g = (1 - o.along * o.along / 4) * std::pow((1 - beside * beside) * (1 - off * off), 2);
+    ASSERT_GT(g, 0.01);
+    const CurbCandidate other = step_at(-o.along, o.across, kUpwards + o.turned, 20);
+    EXPECT_NEAR(pooled({step_at(0, 0, kUpwards, 10), other}).front(), std::hypot(10, g * 20), 1e-9) << o.along;
+  }
+}
+
 TEST(CurbSupport, WhatIsBesideTurnedOrFacesTheOtherWayGivesNone) {
   const auto with = [](const CurbCandidate& other) { return pooled({step_at(0, 0, kUpwards, 10), other}).front(); };
   EXPECT_NEAR(with(step_at(0.6, 0.3, kUpwards, 50)), 10, 1e-9) << "beside";

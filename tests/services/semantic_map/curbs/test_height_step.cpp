@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 
 namespace curbstone::semantic_map::curbs {
@@ -50,6 +53,77 @@ TEST(HeightStep, IsFoundWithItsHeightAndItsUncertainty) {
   EXPECT_NEAR(step->roughness, kNoise, 0.003);
   EXPECT_NEAR(step->at, 0, 0.031);
   EXPECT_GT(evaluate_sides(points, *step, {}).clear, 0.06);
+}
+
+/// docs/method.md, section 11, for one place of the step: z_0, the slope and h by QR of the rows themselves, the priors
+/// among them. Nothing if a side is thin.
+std::optional<HeightStep> step_by_definition(const StepWindow& points, double at, double noise) {
+  std::vector<Eigen::Vector4d> rows;  // of z_0, s_u, s_t, h
+  std::vector<double> heights;
+  Eigen::Vector3d mean[2] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  double n[2] = {0, 0}, squares[2] = {0, 0};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double from = std::floor(points.u[i] / 0.03) - std::round(at / 0.03);  // bins of 3 cm
+    const int side = from >= 1 && from < 12 ? 1 : from >= -12 && from < -1 ? 0 : -1;
+    if (side < 0 || points.unfit[i] > 0) continue;
+    rows.emplace_back(1, points.u[i], points.t[i], side);
+    heights.push_back(points.z[i]);
+    mean[side] += Eigen::Vector3d(points.u[i], points.t[i], points.z[i]);
+    squares[side] += points.u[i] * points.u[i];
+    ++n[side];
+  }
+  for (int side = 0; side < 2; ++side) {
+    mean[side] /= n[side];
+    if (!(squares[side] / n[side] - mean[side].x() * mean[side].x() >= 0.05 * 0.05)) return std::nullopt;
+  }
+  const double all = n[0] + n[1];
+  const double place = all * 0.04 * 0.04;
+  rows.emplace_back(0, std::sqrt(place + noise * noise / (0.30 * 0.30)), 0, 0);
+  rows.emplace_back(0, 0, std::sqrt(place + noise * noise / (0.05 * 0.05)), 0);
+  heights.insert(heights.end(), {0.0, 0.0});
+  Eigen::MatrixXd A(static_cast<Eigen::Index>(rows.size()), 4);
+  for (std::size_t i = 0; i < rows.size(); ++i) A.row(static_cast<Eigen::Index>(i)) = rows[i];
+  const Eigen::Map<const Eigen::VectorXd> z(heights.data(), A.rows());
+  const Eigen::Vector4d found = A.colPivHouseholderQr().solve(z);
+  const Eigen::Matrix4d inverse = (A.transpose() * A).inverse();
+  // Of the unknowns' inverse the slopes' part is S^-1, and that of h is 1/n_low + 1/n_high + a^T S^-1 a.
+  const Eigen::Vector2d apart = (mean[1] - mean[0]).head<2>();
+  const double missing = 1.2 * place * (inverse.block<2, 2>(1, 1) * apart).x();
+  HeightStep step;
+  step.at = at;
+  step.height = found(3);
+  step.level = (mean[1] - mean[0]).z();
+  step.full_height = step.height / (1 - std::clamp(missing, 0.0, 0.5));
+  step.roughness = std::sqrt((A * found - z).squaredNorm() / (all - 4) + 0.004 * 0.004);
+  step.sigma = step.roughness * std::sqrt(inverse(3, 3));
+  step.low_z = found(0) + found(1) * at;
+  step.slope = found.segment<2>(1);
+  return step;
+}
+
+TEST(HeightStep, IsTheMostCertainOfTheTwoHalfPlanesOfTheMethod) {
+  const auto leaning = [](double u, double t) { return (u > 0.07 ? 0.08 : 0.0) - 0.1 * u + 0.04 * t; };
+  for (const double noise : {0.002, kNoise, 0.03}) {  // below 4 mm it counts as 4 mm
+    StepGround ground;
+    const StepWindow points = ground.even(200, leaning).points;
+    const auto step = find_height_step(points, noise, {});
+    ASSERT_TRUE(step);
+    const auto expected = step_by_definition(points, step->at, std::max(noise, 0.004));
+    ASSERT_TRUE(expected);
+    EXPECT_NEAR(step->height, expected->height, 1e-9);
+    EXPECT_NEAR(step->level, expected->level, 1e-9);
+    EXPECT_NEAR(step->full_height, expected->full_height, 1e-9);
+    EXPECT_NEAR(step->roughness, expected->roughness, 1e-9);
+    EXPECT_NEAR(step->sigma, expected->sigma, 1e-9);
+    EXPECT_NEAR(step->low_z, expected->low_z, 1e-9);
+    EXPECT_LT((step->slope - expected->slope).norm(), 1e-9);
+    for (int k = -6; k <= 6; ++k) {
+      const auto other = step_by_definition(points, 0.03 * k, std::max(noise, 0.004));
+      if (other) {
+        EXPECT_LE(other->height / other->sigma, step->height / step->sigma + 1e-9) << k;
+      }
+    }
+  }
 }
 
 TEST(HeightStep, IsNotSeenInASlope) {
