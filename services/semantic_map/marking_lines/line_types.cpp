@@ -274,8 +274,8 @@ MarkingType type_of(const PieceSequence& sequence, const std::vector<Gap>& gaps,
   if (is_whole && median_of(widths) >= kStopWidth && length >= kShortestStop && length <= kLongestStop &&
       lies_across(piece, path))
     return MarkingType::kStopLine;
-  const bool is_whole_line = is_whole && length >= (dashes.size() > 1 ? kShortSolid : kSolid);
-  if (is_whole_line && !stretch.is_dashed) return MarkingType::kSolid;
+  const bool is_lone = stretch.is_dashed && dashes_of(sequence, gaps, stretch).lengths.size() == 1;  // worn in two
+  if (is_whole && !is_lone && length >= (dashes.size() > 1 ? kShortSolid : kSolid)) return MarkingType::kSolid;
   if (stretch.is_dashed) return MarkingType::kDashed;
   if (longest >= kSolid) return MarkingType::kSolid;  // no dash, however much of the line is hidden
   const bool has_holes = dashes.size() > 1 && median_of(dashes) > kDashOfGap * median_of(all);

@@ -85,6 +85,10 @@ TEST(LineTypes, ASingleDashMayBeWornInTwo) {
               ElementsAre(std::pair(kIsSolid, 1), std::pair(kIsDashed, 2)));
 }
 
+TEST(LineTypes, ALineThatIsPaintedButForAFifthIsSolid) {
+  EXPECT_THAT(types_of({{0, 3.8}, {4.6, 6.7}, {7.8, 9.8}}), ElementsAre(std::pair(kIsSolid, 3)));
+}
+
 TEST(LineTypes, APieceBetweenWornHolesIsNoDash) {
   EXPECT_THAT(types_of({{0, 9}, {9.8, 10.9}, {11.6, 20}}), ElementsAre(std::pair(kIsSolid, 3)));
   EXPECT_THAT(types_of({{0, 9}, {10.7, 12.1}, {14.2, 25}}), ElementsAre(std::pair(kIsSolid, 3)));
