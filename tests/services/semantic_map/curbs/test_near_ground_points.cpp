@@ -6,6 +6,8 @@
 #include <random>
 #include <vector>
 
+#include "services/semantic_map/curbs/height_step.hpp"
+
 namespace curbstone::semantic_map::curbs {
 namespace {
 

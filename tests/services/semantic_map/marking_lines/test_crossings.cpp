@@ -142,7 +142,7 @@ TEST(Crossings, TakeTheBarOutOfTheLineThatItWasLinkedTo) {
     EXPECT_THAT(places_of(crossings[0]), ElementsAre(0, 1, 2, 3, 4));
     ASSERT_THAT(pieces, SizeIs(1));
     EXPECT_NEAR(pieces[0].length(), 18, 0.01);
-    EXPECT_FLOAT_EQ(pieces[0].width, 0.17F);
+    EXPECT_NEAR(pieces[0].width, 0.17, 1e-6);
   }
 }
 
