@@ -19,10 +19,16 @@ std::vector<std::unique_ptr<std::vector<char>>> blocks(std::int64_t bytes) {
   return result;
 }
 
-TEST(ProcessMemory, WhatWasFreedBetweenBlocksInUseIsGivenBack) {
-#ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "the sanitizer's own memory is not malloc's";
+class ProcessMemoryTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "memory is the sanitizer's, not the C library's";
 #endif
+  }
+};
+
+TEST_F(ProcessMemoryTest, WhatWasFreedBetweenBlocksInUseIsGivenBack) {
   const std::int64_t before = process_memory().own;
   auto used = blocks(200 * kMB);
   ASSERT_GT(process_memory().own, before + 190 * kMB);
@@ -37,7 +43,7 @@ TEST(ProcessMemory, WhatWasFreedBetweenBlocksInUseIsGivenBack) {
   EXPECT_EQ(return_unused_memory(), 0) << "nothing is left to give back";
 }
 
-TEST(ProcessMemory, LittleIsKeptForWhatComesNext) {
+TEST_F(ProcessMemoryTest, LittleIsKeptForWhatComesNext) {
   (void)return_unused_memory();
   auto used = blocks(10 * kMB);
   for (std::size_t i = 0; i < used.size(); ++i) {
