@@ -13,7 +13,7 @@ struct ProcessMemory {
 
 /// Gives memory that the process has freed back to the system, if it is 32 MB or more. glibc keeps what was freed
 /// between blocks in use: a service would keep for ever what it needed once, such as all tiles of a map whose loop is
-/// closed. Returns the bytes given back. Takes 1 ms, and 20 ms where 200 MB are free; any thread.
+/// closed. Returns the bytes given back. Any thread; those that allocate may wait for it, the longer the more is free.
 std::int64_t return_unused_memory();
 
 }  // namespace curbstone

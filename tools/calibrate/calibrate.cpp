@@ -7,7 +7,6 @@
 #include <string>
 
 #include "common/config/command_line.hpp"
-#include "common/config/config.hpp"
 #include "common/config/vehicle.hpp"
 #include "tools/calibrate/calibration.hpp"
 #include "tools/calibrate/drive_data.hpp"
@@ -20,12 +19,6 @@ namespace curbstone::calibrate {
 namespace {
 
 constexpr double kDegrees = 57.29577951308232;
-
-/// A configuration with only the section `vehicle:`.
-struct VehicleOnly {
-  VehicleConfig vehicle;
-  void visit(ConfigVisitor& v) { v.section("vehicle", vehicle, "what all processes share about the vehicle"); }
-};
 
 std::string shown(const CalibratedValue& v, double x) {
   return v.unit == "rad" ? fmt::format("{:9.3f} deg", x * kDegrees) : fmt::format("{:9.5f} m  ", x);
@@ -115,9 +108,9 @@ int run_calibrate(int argc, char** argv) {
   for (const std::string& file : {yaml_file, json_file}) output::refuse_to_overwrite({log, config_file}, file);
   LogFiles head({log});
   const recording::RecordedConfig recorded = recording::recorded_config(head);
-  const auto config = recording::config_of<VehicleOnly>("calibrate", config_file, recorded, {});
+  const VehicleConfig vehicle = recording::vehicle_of(config_file, recorded);
   const CalibrationData data = read_drive(log, config_file, recorded, map_anew);
-  const CalibrationResult result = calibrate(data, config.value.vehicle);
+  const CalibrationResult result = calibrate(data, vehicle);
   fmt::print("configuration: {}\n", recording::source_of_configuration({"ekf", "mapper"}, config_file, recorded, {}));
   print(result);
   if (yaml_file.empty())

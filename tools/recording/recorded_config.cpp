@@ -71,6 +71,7 @@ std::string vehicle_yaml(const RecordedConfig& recorded) {
   return vehicle;
 }
 
+/// A configuration with only the section `vehicle:`.
 struct VehicleOnly {
   VehicleConfig vehicle;
   void visit(ConfigVisitor& v) { v.section("vehicle", vehicle, "what all processes share about the vehicle"); }
@@ -99,6 +100,13 @@ void RecordedConfig::load(const std::string& section, AnyConfig& config) const {
     throw ConfigError(
         fmt::format("{}: it was recorded by version {}; --config FILE goes without it", error.what(), version));
   }
+}
+
+VehicleConfig vehicle_of(const std::string& file, const RecordedConfig& recorded) {
+  if (file.empty()) return recorded.vehicle();
+  ConfigOf<VehicleOnly> config;
+  load_config(file, "", kProcessSections, config);  // no section of this name: the vehicle alone
+  return config.value.vehicle;
 }
 
 std::string source_of_configuration(const std::vector<std::string>& sections, const std::string& file,

@@ -44,6 +44,9 @@ template <class Config>
   return config;
 }
 
+/// The vehicle of `file` or, without a file, the recorded one. Throws ConfigError.
+[[nodiscard]] VehicleConfig vehicle_of(const std::string& file, const RecordedConfig& recorded);
+
 /// Where config_of() takes the values of these sections from, for people.
 [[nodiscard]] std::string source_of_configuration(const std::vector<std::string>& sections, const std::string& file,
                                                   const RecordedConfig& recorded,
