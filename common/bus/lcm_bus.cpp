@@ -41,6 +41,8 @@ class LcmBus::Impl {
       const auto address = parse_bus_url(url_);
       if (!address) cannot_open("it is no URL of a multicast bus");
       address_ = *address;
+    } else if (!url_.starts_with("memq://") && !url_.starts_with("file://")) {
+      cannot_open("it is no URL of a bus");  // LCM has others, and aborts where it cannot connect to one
     }
     lcm_ = lcm_create(url_.c_str());
     if (lcm_ == nullptr) cannot_open("LCM refuses it");
@@ -168,10 +170,10 @@ class LcmBus::Impl {
   };
 
   [[noreturn]] void cannot_open(const std::string& why) const {
-    throw std::runtime_error(
-        fmt::format("cannot open the bus {}: {}: check the URL, and that multicast is routed (ip link set lo up; ip "
-                    "route add 224.0.0.0/4 dev lo)",
-                    url_, why));
+    throw std::runtime_error(fmt::format(
+        "cannot open the bus {}: {}: check the URL ({} is usual), and that multicast is routed (ip link set "
+        "lo up; ip route add 224.0.0.0/4 dev lo)",
+        url_, why, kDefaultUrl));
   }
 
   void add(Subscription subscription) {
