@@ -3,7 +3,8 @@
 #include <array>
 #include <string_view>
 
-#include "common/shell/version.hpp"
+#include "common/config/standard_streams.hpp"
+#include "common/config/version.hpp"
 #include "tools/command/dispatch.hpp"
 #include "tools/command/program_beside.hpp"
 #include "tools/evaluate/evaluate.hpp"
@@ -40,6 +41,7 @@ constexpr std::array kSubcommands = {
 }  // namespace
 
 int main(int argc, char** argv) {
+  curbstone::guard_standard_streams();
   if (argc > 1 && std::string_view(argv[1]) == "--version") {
     fmt::print("{}\n", curbstone::version());
     return 0;

@@ -1,14 +1,14 @@
 #include "common/config/command_line.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <type_traits>
+
+#include "common/config/standard_streams.hpp"
+#include "common/config/version.hpp"
 
 namespace curbstone {
 
@@ -33,14 +33,6 @@ std::string not_finite(const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
   return *end == '\0' && !std::isfinite(value) ? "Value " + text + " is no number" : "";
-}
-
-/// A caller may have closed a standard stream (`nohup ... >&-`). The next file or socket would take its number, and
-/// what is printed would be written into it.
-void open_standard_streams() {
-  for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-    if (::fcntl(fd, F_GETFD) < 0) (void)!::open("/dev/null", O_RDWR);  // takes the lowest number that is free
-  }
 }
 
 }  // namespace
@@ -96,7 +88,9 @@ CommandOption& CommandOption::excludes(const CommandOption& other) {
 }
 
 CommandLine::CommandLine(const std::string& description, const std::string& program)
-    : app_(std::make_unique<CLI::App>(description, program)) {}
+    : app_(std::make_unique<CLI::App>(description, program)) {
+  app_->set_version_flag("--version", version());
+}
 
 CommandLine::~CommandLine() = default;
 
@@ -127,12 +121,8 @@ CommandOption CommandLine::flag(const std::string& names, bool& value, const std
   return listed(app_->add_flag(names, value, help));
 }
 
-void CommandLine::version(const std::string& text) {
-  app_->set_version_flag("--version", text);
-}
-
 std::optional<int> CommandLine::read(int argc, const char* const* argv) {
-  open_standard_streams();
+  guard_standard_streams();
   try {
     app_->parse(argc, argv);
   } catch (const CLI::ParseError& error) {

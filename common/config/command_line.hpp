@@ -48,7 +48,7 @@ class CommandOption {
 };
 
 /// A program's command line. Its options are declared first and then read into the caller's variables, whose initial
-/// values are the defaults. --help always exists.
+/// values are the defaults. --help and --version always exist.
 ///
 ///     std::string log;
 ///     double seconds = 60;
@@ -81,8 +81,6 @@ class CommandLine {
     for (const auto& [word, meaning] : choices) words.push_back(word);
     return word_option(names, words, help, [&value, choices](std::size_t k) { value = choices[k].second; });
   }
-  /// --version prints `text` and stops.
-  void version(const std::string& text);
   /// The help shows the options declared after this call under this heading.
   void heading(const std::string& heading) { heading_ = heading; }
 

@@ -4,14 +4,15 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <curbstone/service_config_t.hpp>
 #include <fstream>
 
 #include "common/bus/lcm_bus.hpp"
 #include "common/config/command_line.hpp"
+#include "common/config/version.hpp"
 #include "common/shell/process_memory.hpp"
 #include "common/shell/status_reporter.hpp"
-#include "common/shell/version.hpp"
 #include "common/time/clock.hpp"
 #include "common/time/clock_step.hpp"
 
@@ -93,10 +94,6 @@ void run(service_config_t config, const std::string& url, const std::string& has
 
 }  // namespace
 
-std::string version() {
-  return CURBSTONE_VERSION_TEXT;
-}
-
 int run_service(int argc, char** argv, const ServiceOptions& options, AnyConfig& config,
                 const std::function<std::unique_ptr<Node>(ServiceContext&)>& make) {
   const std::string& section = options.section;
@@ -113,13 +110,12 @@ int run_service(int argc, char** argv, const ServiceOptions& options, AnyConfig&
   line.option("--name", name, "Name on the bus, unique").shows_default();
   line.option("--nice", nice, "Yields to programs with a lower one when all want to compute").within(0, 19);
   line.flag("--dump-config", dump, "Print the effective configuration and stop");
-  line.version(version());
   if (const auto status = line.read(argc, argv)) return *status;
   try {
     if (!file.empty()) load_config(file, section, options.sections, config);
     for (const std::string& assignment : assignments) set_config_value(assignment, config);
     if (dump) {
-      fmt::print("{}", dump_config(section, config));
+      (void)std::fputs(dump_config(section, config).c_str(), stdout);  // a full disk is said at the end
       return 0;
     }
   } catch (const ConfigError& error) {

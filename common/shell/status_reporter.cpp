@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "common/bus/levels.hpp"
+#include "common/config/version.hpp"
 #include "common/shell/process_memory.hpp"
-#include "common/shell/version.hpp"
 
 namespace curbstone {
 

@@ -1,11 +1,14 @@
 #include "common/terminal/screen.hpp"
 
+#include <fmt/format.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
+#include <cstring>
+#include <stdexcept>
 #include <string_view>
 
 namespace curbstone {
@@ -27,7 +30,9 @@ bool wants_colours() {
 bool write_whole(int fd, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = write(fd, bytes.data(), bytes.size());
-    if (written < 0 && errno != EINTR) return false;
+    if (written < 0 && (errno == EPIPE || errno == EIO)) return false;  // EIO: the terminal was closed
+    if (written < 0 && errno != EINTR)
+      throw std::runtime_error(fmt::format("standard output: cannot be written: {}", std::strerror(errno)));
     if (written > 0) bytes.remove_prefix(static_cast<std::size_t>(written));
   }
   return true;

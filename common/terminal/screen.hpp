@@ -18,7 +18,8 @@ class Screen {
   [[nodiscard]] bool is_terminal() const { return is_terminal_; }
   /// The style for the terminal's present size: it may be resized.
   [[nodiscard]] TextStyle style() const;
-  /// Returns false when the reader is gone.
+  /// Returns false when the reader is gone. Throws std::runtime_error if the lines cannot be written, as on a full
+  /// disk.
   bool show(const std::vector<std::string>& lines) const;
 
  private:

@@ -4,7 +4,6 @@
 
 #include "common/bus/lcm_bus.hpp"
 #include "common/config/command_line.hpp"
-#include "common/shell/version.hpp"
 #include "procman/deputy/deputy_app.hpp"
 
 int main(int argc, char** argv) {
@@ -31,7 +30,6 @@ int main(int argc, char** argv) {
   line.flag("--doctor", options.doctor, "Run `curbstone doctor` at the start: what it finds is logged, and a fault");
   line.flag("-q,--quiet", options.quiet,
             "Print only what the deputy itself has to say, and the last words of the dead");
-  line.version(curbstone::version());
   if (const auto status = line.read(argc, argv)) return *status;
   try {
     return DeputyApp(options).run();

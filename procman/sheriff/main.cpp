@@ -3,7 +3,6 @@
 #include <exception>
 
 #include "common/config/command_line.hpp"
-#include "common/shell/version.hpp"
 #include "procman/sheriff/sheriff_app.hpp"
 
 int main(int argc, char** argv) {
@@ -29,7 +28,6 @@ int main(int argc, char** argv) {
       .shows_default();
   line.flag("--observe", options.observe, "Send nothing at all: only watch, status and tail");
   line.option("-u,--lcm-url", options.lcm_url, "Bus of the deputies");
-  line.version(curbstone::version());
   if (const auto status = line.read(argc, argv)) return *status;
   const bool orders = options.action == Action::kStart || options.action == Action::kStop ||
                       options.action == Action::kRestart || options.action == Action::kRun;

@@ -228,7 +228,8 @@ int SheriffApp::tail() {
     std::fflush(stdout);
   });
   listen();
-  for (;;) handle();
+  while (std::ferror(stdout) == 0) handle();
+  return kFailedStatus;  // why is said at the end of the process
 }
 
 }  // namespace curbstone::procman::sheriff

@@ -42,9 +42,9 @@ class Output {
   }
   [[nodiscard]] std::ostream& stream() { return name_.empty() ? std::cout : file_; }
   void finish(std::int64_t points) {
+    if (name_.empty()) return;  // guard_standard_streams() says what is lost there
     stream().flush();
     if (!stream()) throw std::runtime_error(fmt::format("{}: not written whole: is the disk full?", name_));
-    if (name_.empty()) return;
     file_.close();
     whole_->commit();
     fmt::print("{}: {} points\n", name_, points);

@@ -31,7 +31,8 @@ bool write_table(const CsvOptions& options, std::ostream& out) {
     if (!out) break;
   }
   out.flush();
-  if (!out) throw std::runtime_error(fmt::format("{}: not written whole: is the disk full?", options.out));
+  if (!out && !options.out.empty())  // guard_standard_streams() says what is lost there
+    throw std::runtime_error(fmt::format("{}: not written whole: is the disk full?", options.out));
   if (table.undecodable() > 0)
     fmt::print(stderr, "curbstone log csv: {} messages of {} have no known type, or another one than the first\n",
                table.undecodable(), options.channel);

@@ -1,7 +1,11 @@
 #include "common/terminal/terminal_table.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <unistd.h>
+
+#include <csignal>
+#include <stdexcept>
 
 #include "common/terminal/screen.hpp"
 
@@ -70,6 +74,19 @@ TEST(Screen, APipeGetsPlainLines) {
   EXPECT_EQ(read(ends[0], bytes, sizeof bytes), 4);
   EXPECT_STREQ(bytes, "a\nb\n");
   close(ends[0]);
+  close(ends[1]);
+}
+
+TEST(Screen, TellsAReaderThatHasGoneFromADiskThatIsFull) {
+  const int full = open("/dev/full", O_WRONLY);
+  EXPECT_THAT([&] { Screen(full).show({"a"}); }, ::testing::ThrowsMessage<std::runtime_error>(
+                                                     "standard output: cannot be written: No space left on device"));
+  close(full);
+  signal(SIGPIPE, SIG_IGN);
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  close(ends[0]);
+  EXPECT_FALSE(Screen(ends[1]).show({"a"}));
   close(ends[1]);
 }
 
