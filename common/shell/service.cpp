@@ -45,11 +45,11 @@ service_config_t config_message(const std::string& name, const std::string& sect
 }
 
 void run(service_config_t config, const std::string& url, const std::string& hash, int nice,
-         std::chrono::microseconds gather, const std::function<std::unique_ptr<Node>(ServiceContext&)>& make) {
+         const ServiceOptions& options, const std::function<std::unique_ptr<Node>(ServiceContext&)>& make) {
   if (nice != 0) set_niceness(nice);
   EventLoop loop;
   LcmBus bus(url);
-  bus.gather(gather);
+  bus.gather(options.gather);
   ServiceContext context{config.service, bus.url(), bus, bus, loop, [&bus](std::vector<std::string> channels) {
                            bus.receive_large(std::move(channels));
                          }};
@@ -58,6 +58,8 @@ void run(service_config_t config, const std::string& url, const std::string& has
   StatusReporter status(config.service, hash);
   bus.subscribe<service_status_t>("SERVICE_STATUS", [&status](const service_status_t& m) { status.on_status(m); },
                                   {100});
+  if (options.alone)
+    bus.subscribe<service_config_t>("CONFIG", [&](const service_config_t& m) { status.on_config(m, config); }, {100});
   const auto publish_config = [&] {
     config.utime = wall_clock();
     bus.publish("CONFIG", config);
@@ -123,7 +125,7 @@ int run_service(int argc, char** argv, const ServiceOptions& options, AnyConfig&
     return 2;
   }
   try {
-    run(config_message(name, section, config), url, config_hash(section, config), nice, options.gather, make);
+    run(config_message(name, section, config), url, config_hash(section, config), nice, options, make);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}: {}\n", section, error.what());
     return 1;

@@ -30,6 +30,7 @@ struct ServiceOptions {
   SectionNames sections;    ///< all sections that the file may have: see load_config()
   std::string description;  ///< one line, for --help
   std::chrono::microseconds gather = std::chrono::milliseconds(2);  ///< LcmBus::gather()
+  bool alone = false;  ///< a second one on the bus, under whatever name, is a fault: see SecondProcess
 };
 
 /// Runs a node as a process until SIGINT or SIGTERM: parses the command line (--config FILE, --set KEY=VALUE, --lcm-url

@@ -38,7 +38,10 @@ std::string host_name() {
 
 StatusReporter::StatusReporter(std::string service, std::string config_hash, Clocks clocks, Print print)
     : clocks_(std::move(clocks)), print_(std::move(print)), start_(clocks_.steady()) {
-  if (!print_) print_ = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
+  if (!print_)
+    print_ = [](const std::string& line) {  // a full disk behind stderr must not end the process
+      (void)std::fputs((line + "\n").c_str(), stderr);
+    };
   status_.service = std::move(service);
   status_.host = host_name();
   status_.pid = getpid();
@@ -77,6 +80,7 @@ void StatusReporter::publish(Publisher& bus, const Counters& bus_counters, const
     status_.fault.push_back(
         fmt::format("the clock of this host was set by {:+.0f} ms", static_cast<double>(*step) * 1e-3));
   if (const auto duplicate = duplicate_.fault(status_.utime)) status_.fault.push_back(*duplicate);
+  if (const auto second = second_.fault(section_, status_.utime)) status_.fault.push_back(*second);
   status_.num_faults = static_cast<std::int32_t>(status_.fault.size());
   bus.publish("SERVICE_STATUS", status_);
   reported_ = kinds_of(report.faults);

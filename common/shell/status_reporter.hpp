@@ -10,6 +10,7 @@
 #include "common/bus/node.hpp"
 #include "common/shell/duplicate_process.hpp"
 #include "common/shell/fault_lines.hpp"
+#include "common/shell/second_process.hpp"
 #include "common/time/clock.hpp"
 #include "common/time/clock_step.hpp"
 
@@ -24,8 +25,8 @@ struct Clocks {
 };
 
 /// Sends SERVICE_STATUS for a process: its node's report, the process facts, whether the host's clock was set, and
-/// whether another process has the same name. The beginning and end of persistent faults are also printed. Call it
-/// from the loop that does the work, so that a status proves that the loop runs.
+/// whether another process has the same name, or its task. The beginning and end of persistent faults are also printed.
+/// Call it from the loop that does the work, so that a status proves that the loop runs.
 class StatusReporter {
  public:
   using Print = std::function<void(const std::string& line)>;
@@ -37,6 +38,11 @@ class StatusReporter {
   [[nodiscard]] bool faults_changed(const NodeReport& report) const;
   /// Takes any SERVICE_STATUS on the bus.
   void on_status(const service_status_t& message) { duplicate_.on_status(message, status_, clocks_.wall()); }
+  /// Takes any CONFIG on the bus, for a process of which there may be one: see SecondProcess. `own`: that of this one.
+  void on_config(const service_config_t& message, const service_config_t& own) {
+    section_ = own.section;
+    second_.on_config(message, own, clocks_.wall());
+  }
   void publish(Publisher& bus, const Counters& bus_counters, const NodeReport& report);
 
  private:
@@ -47,6 +53,8 @@ class StatusReporter {
   FaultLines fault_lines_;
   ClockStep clock_step_;
   DuplicateProcess duplicate_;
+  SecondProcess second_;
+  std::string section_;
   std::int64_t start_;  // us
 };
 

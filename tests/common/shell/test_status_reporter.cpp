@@ -107,6 +107,29 @@ TEST_F(StatusOfAService, TellsOfAnotherProcessOfItsNameWhileThereIsOne) {
   EXPECT_THAT(heard_.fault, IsEmpty());
 }
 
+TEST_F(StatusOfAService, TellsOfAnotherProcessOfItsTaskWhileThereIsOne) {
+  service_config_t own, other;
+  own.service = own.section = other.section = "mapper";
+  other.host = "ugv2";
+  const auto receive = [&](const std::string& service, std::int64_t ago = 0) {
+    other.service = service;
+    other.utime = wall_ - ago;
+    reporter_.on_config(other, own);
+    pass(5'000'000);
+  };
+  for (int i = 0; i < 3; ++i) receive("mapper");
+  EXPECT_THAT(heard_.fault, IsEmpty()) << "that was itself";
+  receive("mapper2");
+  EXPECT_THAT(heard_.fault, IsEmpty()) << "a predecessor's last word";
+  receive("mapper2");
+  EXPECT_THAT(heard_.fault,
+              ElementsAre("two of mapper are on this bus, and their messages mix: end mapper2 on ugv2, or this one"));
+  for (int i = 0; i < 3; ++i) pass(5'000'000);
+  EXPECT_THAT(heard_.fault, IsEmpty());
+  for (int i = 0; i < 3; ++i) receive("mapper2", 3'600'000'000);
+  EXPECT_THAT(heard_.fault, IsEmpty()) << "a log is played";
+}
+
 TEST_F(StatusOfAService, SaysTheNodesFaultsAndCounters) {
   report_.faults = {"no packets"};
   report_.counters.add("packets", 3);
