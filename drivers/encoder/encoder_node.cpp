@@ -317,7 +317,8 @@ NodeReport EncoderNode::report() const {
   if (!link_fault_.empty()) report.faults.push_back(link_fault_);
   const double silent = static_cast<double>(now_ - (last_received_ != 0 ? last_received_ : began_)) * 1e-6;
   if (link_fault_.empty() && silent > config_.silence)
-    report.faults.push_back(fmt::format("no positions from the drive for {:.0f} s", silent));
+    report.faults.push_back(
+        fmt::format("no positions from the drive for {:.0f} s{}", silent, signals_ ? "" : drive_.heard_instead()));
   if (link_fault_.empty() && !signals_) {
     for (std::string& fault : drive_.faults()) report.faults.push_back(std::move(fault));
   }

@@ -1,9 +1,14 @@
 // curbstone-encoder: a wheel drive on CAN (SLCAN, SocketCAN, a recording) or Modbus (RS485, TCP) -> WHEELS.
+#include <algorithm>
+#include <iterator>
+#include <vector>
+
 #include "common/shell/service.hpp"
 #include "common/time/clock.hpp"
 #include "config/sections.hpp"
 #include "drivers/encoder/can/slcan_link.hpp"
 #include "drivers/encoder/can/socketcan_link.hpp"
+#include "drivers/encoder/canopen/nodes_heard.hpp"
 #include "drivers/encoder/encoder_node.hpp"
 #include "drivers/encoder/modbus/modbus_link.hpp"
 #include "drivers/encoder/modbus_node.hpp"
@@ -14,6 +19,7 @@ namespace {
 using namespace curbstone;
 using encoder::EncoderConfig;
 using encoder::Interface;
+using encoder::canopen::NodesHeard;
 
 /// The links outlive the loop that calls them.
 struct Links {
@@ -23,7 +29,10 @@ struct Links {
 
 std::unique_ptr<encoder::can::CanLink> open_can(const EncoderConfig& config) {
   if (config.interface == Interface::kSocketCan) {
-    return std::make_unique<encoder::can::SocketCanLink>(config.device, encoder::can_ids(config));
+    std::vector<std::uint32_t> ids = encoder::can_ids(config);
+    if (config.signals.kind == encoder::SignalKind::kNone)
+      std::ranges::copy(NodesHeard::ids(), std::back_inserter(ids));
+    return std::make_unique<encoder::can::SocketCanLink>(config.device, ids);
   }
   if (config.interface == Interface::kFile)
     return std::make_unique<encoder::traces::FileLink>(config.file, config.file_rate, encoder::can_ids(config));

@@ -121,6 +121,8 @@ std::vector<WheelDrive::Write> WheelDrive::setup_sequence() const {
 void WheelDrive::start(std::int64_t now) {
   began_ = now;
   last_heartbeat_ = 0;
+  nodes_.forget();
+  is_heard_ = false;
   status_ = {};  // it may be another drive, or have been switched off and on
   restart(now);
 }
@@ -155,8 +157,8 @@ void WheelDrive::next_write(std::int64_t now) {
     const Write& done = sequence_[step_];
     using Status = SdoClient::Result::Status;
     if (result.status == Status::kNoAnswer) {
-      fail(at,
-           fmt::format("the drive (CAN node {}) does not answer: power, bus, bit rate or node id?", settings_.node));
+      fail(at, fmt::format("the drive (CAN node {}) does not answer: power, bus, bit rate or node id?{}",
+                           settings_.node, heard_instead()));
     } else if (result.status == Status::kAborted && done.required) {
       fail(at, fmt::format("the drive (CAN node {}) refuses object {:04X}:{:02X}: abort {:08X}", settings_.node,
                            done.object.index, done.object.sub, result.value));
@@ -180,8 +182,17 @@ void WheelDrive::fail(std::int64_t now, std::string why) {
   fault_ = std::move(why);
 }
 
+bool WheelDrive::is_from_drive(const can::CanFrame& frame) const {
+  if (frame.extended || frame.remote) return false;
+  const std::uint32_t kind = frame.id - settings_.node;
+  return kind == canopen::kTpdo1 || kind == canopen::kTpdo2 || kind == canopen::kSdoReply ||
+         kind == canopen::kHeartbeat || kind == canopen::kEmergency;
+}
+
 void WheelDrive::on_frame(std::int64_t receive_utime, const can::CanFrame& frame) {
   if (state_ == State::kIdle) start(receive_utime);
+  nodes_.add(frame);
+  is_heard_ = is_heard_ || is_from_drive(frame);
   if (frame.extended || frame.remote) {
     counters_.add("ignored.frames");
   } else if (frame.id == canopen::kTpdo1 + settings_.node) {

@@ -10,6 +10,7 @@
 #include "common/bus/counters.hpp"
 #include "common/time/recent_times.hpp"
 #include "drivers/encoder/can/can_frame.hpp"
+#include "drivers/encoder/canopen/nodes_heard.hpp"
 #include "drivers/encoder/canopen/sdo_client.hpp"
 
 namespace curbstone::encoder::canopen {
@@ -69,6 +70,8 @@ class WheelDrive {
   /// Faults of the communication and of the drive by its own report, in words, without the bits of its fault word;
   /// empty if there are none.
   [[nodiscard]] std::vector<std::string> faults() const;
+  /// "; heard instead: CAN node 2", while nothing is heard of this drive since the link came up; else empty.
+  [[nodiscard]] std::string heard_instead() const { return is_heard_ ? "" : nodes_.instead_of(settings_.node); }
   /// Number of refused frames.
   [[nodiscard]] std::int64_t refused() const { return counters_["refused.length"]; }
   [[nodiscard]] Counters counters() const;
@@ -85,6 +88,7 @@ class WheelDrive {
   enum class State { kIdle, kSettingUp, kRunning, kFailed };
 
   [[nodiscard]] std::vector<Write> setup_sequence() const;
+  [[nodiscard]] bool is_from_drive(const can::CanFrame& frame) const;
   void restart(std::int64_t now);
   void next_write(std::int64_t now);
   void run(std::int64_t now);
@@ -114,6 +118,8 @@ class WheelDrive {
   static constexpr std::size_t kManyBoots = 3;  // within a minute
   RecentTimes boots_{kManyBoots, 60'000'000};
   std::optional<std::uint32_t> encoder_lines_;
+  NodesHeard nodes_;
+  bool is_heard_ = false;  // any frame of the drive, since the link came up
   std::string fault_;
   Counters counters_;
 };
