@@ -7,8 +7,10 @@
 #include <cstring>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "drivers/encoder/can/candump.hpp"
+#include "drivers/encoder/traces/foreign_recording.hpp"
 
 namespace curbstone::encoder::traces {
 
@@ -41,21 +43,31 @@ bool is_pcan(const std::deque<std::string>& lines) {
   return false;
 }
 
-/// Whether the times are the intervals between frames: those of candump -td go back at every other line.
+/// The time that a quarter of these are below.
+std::int64_t lower_quartile(std::vector<std::int64_t> times) {
+  const auto quarter = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 4);
+  std::nth_element(times.begin(), quarter, times.end());
+  return *quarter;
+}
+
+/// Whether the times are the intervals between frames: those of candump -td often go back, and do not grow. Those of
+/// two joined recordings (-tz) go back once.
 bool are_intervals(const std::deque<std::string>& lines) {
   constexpr std::int64_t kFirstDate = 100'000'000'000'000;  // us: no clock is in the year 1973
-  constexpr int kEnough = 4;
-  std::optional<std::int64_t> last;
-  int steps = 0;
-  int back = 0;
+  constexpr std::size_t kEnough = 5;
+  std::vector<std::int64_t> times;
+  std::size_t back = 0;
   for (const std::string& text : lines) {
     const auto line = can::parse_candump_line(text);
     if (!line || line->utime >= kFirstDate) continue;
-    steps += last ? 1 : 0;
-    back += last && line->utime < *last ? 1 : 0;
-    last = line->utime;
+    if (!times.empty() && line->utime < times.back()) ++back;
+    times.push_back(line->utime);
   }
-  return steps >= kEnough && 4 * back > steps;
+  if (times.size() < kEnough || 20 * back < times.size()) return false;
+  const auto half = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
+  std::vector<std::int64_t> first(times.begin(), half);
+  for (std::int64_t& time : first) time = -time;
+  return -lower_quartile(std::move(first)) >= lower_quartile({half, times.end()});
 }
 
 }  // namespace
@@ -68,6 +80,11 @@ TraceFile::TraceFile(std::string path, std::vector<std::uint32_t> ours)
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (!heading_.empty() && heading_[0].starts_with(kByteOrderMark)) heading_[0].erase(0, kByteOrderMark.size());
   pcan_ = is_pcan(heading_);
+  if (!pcan_) {
+    for (const std::string& line : heading_) {
+      if (const std::string kind = foreign_recording(line); !kind.empty()) fail(kind);
+    }
+  }
   if (!pcan_ && are_intervals(heading_))
     fail("its times are the intervals between frames (candump -td); record with candump -l, -ta or -tz");
   const auto refused = [this] { return static_cast<std::size_t>(counters_["refused.trace_line"]); };

@@ -88,6 +88,26 @@ TEST(TraceFileTest, OnlyTheFirstBusIsRead) {
   EXPECT_EQ(file.counters()["ignored.other_bus"], 1);
 }
 
+/// One that only has a few frames of one byte would be read, and all others refused.
+TEST(TraceFileTest, RecordingsOfOtherKindsAreNamedWithWhatToDo) {
+  const test::TemporaryFolder folder;
+  for (const auto& [text, says] : std::vector<std::pair<std::string, std::string>>{
+           {" (1.5)  can0  701   [1]  05\n (1.6)  can0  181   [4]  FE`00`C0`0B\n",
+            "(candump -S); record with candump -l"},
+           {"  can0  181   [4]  FE`00`C0`0B\n", "(candump -S)"},
+           {" (1.5)  can0  RX - -  181   [2]  00001011 11000000\n", "(candump -i); record with candump -l"},
+           {"\x1b[31m (1.5)  can0  181   [2]  0B C0\x1b[0m\n", "(candump -c); take them out with sed"},
+           {"date Mon Nov 23 20:52:00 2026\nbase hex  timestamps absolute\n", "a Vector ASC file; make a candump log"},
+           {"base hex  timestamps absolute\n", "asc2log -I FILE -O drive.log"},
+           {std::string("LOGG\0\0", 6), "a Vector BLF file"}}) {
+    std::ofstream(folder / "x.log") << text;
+    EXPECT_THAT(why(folder / "x.log"), HasSubstr(says)) << text;
+  }
+  std::ofstream(folder / "x.log")
+      << " (1.5)  can0  181   [2]  0B 60   '.`'\n (1.6)  can0  181   [8]  00 01 10 11 00 01 10 11\n";
+  EXPECT_EQ(why(folder / "x.log"), "") << "candump -a";
+}
+
 TEST(TraceFileTest, WhatIsNoRecordingIsReportedInALine) {
   const test::TemporaryFolder folder;
   EXPECT_THAT(why(folder / "none"), HasSubstr("No such file"));
@@ -167,6 +187,22 @@ TEST(TraceFileTest, IntervalsAreNotTakenForTimes) {
   zero.close();
   EXPECT_THAT(why(folder / "td.log"), HasSubstr("the intervals between frames (candump -td)"));
   EXPECT_EQ(why(folder / "tz.log"), "");
+}
+
+/// A drive with a punctual clock: positions each 10 ms, and 1 ms behind each tenth its status.
+TEST(TraceFileTest, IntervalsThatSeldomGoBackAreNotTakenForTimesEither) {
+  const test::TemporaryFolder folder;
+  std::ofstream intervals(folder / "td.log");
+  std::ofstream joined(folder / "joined.log");
+  for (int i = 0; i < 300; ++i) {
+    intervals << fmt::format(" (000.{:06})  can0  181   [1]  00\n", i == 0 ? 0 : i % 10 == 1 ? 9'000 : 10'000);
+    if (i % 10 == 0) intervals << " (000.001000)  can0  281   [1]  00\n";
+    joined << fmt::format(" (000.{:06})  can0  181   [1]  00\n", i % 150 * 1'000);
+  }
+  intervals.close();
+  joined.close();
+  EXPECT_THAT(why(folder / "td.log"), HasSubstr("the intervals between frames (candump -td)"));
+  EXPECT_EQ(why(folder / "joined.log"), "") << "two recordings";
 }
 
 /// Two seconds of a CANopen drive that another master has set up: positions each 10 ms, status each 100 ms.
