@@ -30,7 +30,8 @@ std::vector<models::LaserAngles> read_angles(const std::string& file) {
   std::ifstream stream(file);
   if (!stream) throw std::runtime_error(fmt::format("angles_file: cannot read {}", file));
   std::vector<models::LaserAngles> angles;
-  std::string line;
+  std::string line, ambiguous;
+  bool has_points = false;
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // some editors write it
   for (int number = 1; std::getline(stream, line); ++number) {
     if (number == 1 && line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
@@ -41,10 +42,17 @@ std::vector<models::LaserAngles> read_angles(const std::string& file) {
     bool good = read_angle(text, laser.elevation) && std::abs(laser.elevation) < 90.0;
     if (good && *text == ',') good = read_angle(++text, laser.azimuth);
     if (!good || *text != '\0' || angles.size() == kMaxLasers)
-      throw std::runtime_error(
-          fmt::format("angles_file: {}:{}: expected elevation[,azimuth] in deg, a line a laser", file, number));
+      throw std::runtime_error(fmt::format(
+          "angles_file: {}:{}: expected elevation[,azimuth] in deg with decimal points, a line a laser", file, number));
+    has_points = has_points || line.find('.') != std::string::npos;
+    if (laser.azimuth != 0 && ambiguous.empty()) ambiguous = fmt::format("{}:{}", file, number);
     angles.push_back(laser);
   }
+  if (!has_points && !ambiguous.empty())  // "-13,5" of a program that writes decimal commas
+    throw std::runtime_error(
+        fmt::format("angles_file: {}: is this comma a decimal one? Nowhere in the file is a decimal point: write -13.5 "
+                    "for an elevation, -13.0,5.0 for elevation and azimuth",
+                    ambiguous));
   if (angles.empty()) throw std::runtime_error(fmt::format("angles_file: {} has no angles", file));
   return angles;
 }

@@ -139,6 +139,13 @@ TEST(HeliosNode, TakesItsAnglesFromAFileInstead) {
   std::ofstream(config.angles_file) << "1.0\n2.0\n";
   EXPECT_THAT([&] { Bench other(config); },
               ::testing::ThrowsMessage<std::runtime_error>(HasSubstr("has 16 lasers, the file 2")));
+  std::ofstream(config.angles_file) << "-15,0;0,5\n";
+  EXPECT_THAT([&] { Bench other(config); }, ::testing::ThrowsMessage<std::runtime_error>(
+                                                HasSubstr("angles.csv:1: expected elevation[,azimuth] in deg with "
+                                                          "decimal points")));
+  std::ofstream(config.angles_file) << "-15\n-13,5\n";
+  EXPECT_THAT([&] { Bench other(config); },
+              ::testing::ThrowsMessage<std::runtime_error>(HasSubstr("angles.csv:2: is this comma a decimal one?")));
 }
 
 TEST(HeliosNode, BelievesTheOnlyInformationOfACapture) {
