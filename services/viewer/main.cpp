@@ -18,11 +18,12 @@ using namespace curbstone;
 class Viewer final : public Node {
  public:
   Viewer(const viewer::ViewerConfig& config, Publisher& bus)
-      : server_(viewer::web_settings(config)), node_(config, bus, server_, {}) {
-    if (config.port != 0 && server_.port() != config.port) fmt::print("viewer: port {} is taken\n", config.port);
-    fmt::print("viewer: {}\n", viewer::page_address(config, server_.port()));
-    if (config.foxglove_port != 0) open_door(config);
-    std::fflush(stdout);
+      : config_(config), server_(waiting(viewer::web_settings(config))), node_(config, bus, server_, {}) {
+    if (config.foxglove_port != 0) {
+      endpoint_.emplace(waiting(viewer::endpoint_settings(config)));
+      foxglove_.emplace(config, node_, *endpoint_, std::to_string(wall_clock()));
+    }
+    say_addresses();
   }
   void connect(Subscriber& bus) override {
     node_.connect(bus);
@@ -31,22 +32,45 @@ class Viewer final : public Node {
   void tick(std::int64_t now) override {
     node_.tick(now);
     if (foxglove_) foxglove_->tick(now);
+    say_addresses();
   }
   [[nodiscard]] NodeReport report() const override {
     NodeReport report = node_.report();
+    add_fault(report, "the page", server_);
     if (!foxglove_) return report;
+    add_fault(report, "the port for Foxglove", *endpoint_);
     const Counters of_door = foxglove_->report().counters;
     for (const auto& [name, value] : of_door.values()) report.counters.add(name, value);
     return report;
   }
 
  private:
-  void open_door(const viewer::ViewerConfig& config) {
-    endpoint_.emplace(viewer::endpoint_settings(config));
-    foxglove_.emplace(config, node_, *endpoint_, std::to_string(wall_clock()));
-    fmt::print("viewer: for Foxglove: ws://{}:{}\n", config.address, endpoint_->port());
+  static viewer::web::WebSettings waiting(viewer::web::WebSettings settings) {
+    settings.waits = true;
+    return settings;
+  }
+  static void add_fault(NodeReport& report, const char* what, const viewer::web::WebServer& server) {
+    const std::string why = server.fault();
+    if (!why.empty()) report.faults.push_back(fmt::format("{} waits: {}", what, why));
+  }
+  /// Once each, as soon as they listen.
+  void say_addresses() {
+    if (!page_said_ && server_.port() != 0) {
+      if (config_.port != 0 && server_.port() != config_.port) fmt::print("viewer: port {} is taken\n", config_.port);
+      fmt::print("viewer: {}\n", viewer::page_address(config_, server_.port()));
+      std::fflush(stdout);
+      page_said_ = true;
+    }
+    if (!door_said_ && endpoint_ && endpoint_->port() != 0) {
+      fmt::print("viewer: for Foxglove: ws://{}:{}\n", config_.address, endpoint_->port());
+      std::fflush(stdout);
+      door_said_ = true;
+    }
   }
 
+  viewer::ViewerConfig config_;
+  bool page_said_ = false;
+  bool door_said_ = false;
   viewer::web::WebServer server_;
   viewer::ViewerNode node_;
   std::optional<viewer::web::WebServer> endpoint_;

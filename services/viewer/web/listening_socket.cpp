@@ -94,7 +94,14 @@ int open_listening_socket(const std::string& address, std::uint16_t port, int po
     const int fd = listen_at(parse_address(address, static_cast<std::uint16_t>(port + i)));
     if (fd >= 0) return fd;
     const bool is_last = i + 1 >= ports || port + i == std::numeric_limits<std::uint16_t>::max();
-    if (errno != EADDRINUSE || is_last) throw failure(address + ", port " + std::to_string(port + i));
+    if (errno == EADDRINUSE && !is_last) continue;
+    const char* const help = errno == EADDRINUSE      ? " (`ss -tlnp` shows by whom)"
+                             : errno == EADDRNOTAVAIL ? " (`ip address` shows which there are)"
+                                                      : nullptr;
+    const std::string first = i > 0 ? "s " + std::to_string(port) + " to " : " ";
+    const std::runtime_error error = failure(address + ", port" + first + std::to_string(port + i));
+    if (help != nullptr) throw NotFree(std::string(error.what()) + help);
+    throw error;
   }
 }
 

@@ -192,10 +192,12 @@ HostRules rules_of(const WebSettings& settings) {
 class WebServer::Impl {
  public:
   explicit Impl(const WebSettings& settings) : shared_(settings, rules_of(settings)), acceptor_(loop_) {
-    const int fd = open_listening_socket(settings.address, settings.port, settings.ports, settings.network);
-    port_ = port_of(fd);
-    acceptor_.assign(settings.address.find(':') == std::string::npos ? tcp::v4() : tcp::v6(), fd);
-    accept();
+    try {
+      listen();
+    } catch (const NotFree& error) {
+      if (!settings.waits) throw;
+      listen_later(error.what());
+    }
     thread_ = std::thread([this] { loop_.run(); });
   }
   ~Impl() {
@@ -206,7 +208,15 @@ class WebServer::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  [[nodiscard]] std::uint16_t port() const { return port_; }
+  [[nodiscard]] std::uint16_t port() {
+    const std::scoped_lock lock(shared_.mutex);
+    return port_;
+  }
+
+  std::string fault() {
+    const std::scoped_lock lock(shared_.mutex);
+    return fault_;
+  }
 
   std::vector<Event> take_events() {
     const std::scoped_lock lock(shared_.mutex);
@@ -234,6 +244,30 @@ class WebServer::Impl {
   }
 
  private:
+  void listen() {
+    const WebSettings& settings = shared_.settings;
+    const int fd = open_listening_socket(settings.address, settings.port, settings.ports, settings.network);
+    acceptor_.assign(settings.address.find(':') == std::string::npos ? tcp::v4() : tcp::v6(), fd);
+    set_listening(port_of(fd), {});
+    accept();
+  }
+  void listen_later(const std::string& why) {
+    set_listening(0, why);
+    pause_.expires_after(std::chrono::seconds(1));
+    pause_.async_wait([this](error_code aborted) {
+      if (aborted) return;
+      try {
+        listen();
+      } catch (const std::runtime_error& error) {
+        listen_later(error.what());
+      }
+    });
+  }
+  void set_listening(std::uint16_t port, std::string fault) {
+    const std::scoped_lock lock(shared_.mutex);
+    port_ = port;
+    fault_ = std::move(fault);
+  }
   void accept() {
     acceptor_.async_accept([this](error_code error, tcp::socket socket) {
       if (error == asio::error::operation_aborted) return;
@@ -259,7 +293,8 @@ class WebServer::Impl {
   Shared shared_;
   Pages pages_;  // used by the web thread only
   PageId last_id_ = 0;
-  std::uint16_t port_ = 0;
+  std::uint16_t port_ = 0;  // this and the next: guarded by shared_.mutex
+  std::string fault_;
   asio::io_context loop_{1};
   asio::steady_timer pause_{loop_};
   tcp::acceptor acceptor_;
@@ -271,6 +306,10 @@ WebServer::~WebServer() = default;
 
 std::uint16_t WebServer::port() const {
   return impl_->port();
+}
+
+std::string WebServer::fault() const {
+  return impl_->fault();
 }
 
 std::vector<Connections::Event> WebServer::take_events() {

@@ -30,6 +30,7 @@ struct WebSettings {
   std::string address = "127.0.0.1";
   std::uint16_t port = 0;          ///< 0: any free port
   int ports = 1;                   ///< to try, from `port` on
+  bool waits = false;              ///< for a port that is not free: see WebServer::fault()
   std::string network;             ///< see open_listening_socket()
   std::vector<std::string> names;  ///< see HostRules
   std::string folder;              ///< see find_asset()
@@ -48,11 +49,15 @@ struct WebSettings {
 /// was not sent in time), dropped.frames.
 class WebServer final : public Connections {
  public:
-  /// Listens once constructed. Throws std::runtime_error with a one-line message.
+  /// Listens once constructed. Throws std::runtime_error with a one-line message; with `waits` not for a port that is
+  /// taken or an address that no interface has: these are tried again each second.
   explicit WebServer(const WebSettings& settings);
   ~WebServer() override;
 
+  /// 0 while it waits.
   [[nodiscard]] std::uint16_t port() const;
+  /// What it waits for, in one line; empty: it listens.
+  [[nodiscard]] std::string fault() const;
   [[nodiscard]] std::vector<Event> take_events() override;
   void send(PageId page, Frame frame) override;
   void send_text(PageId page, std::string text) override;

@@ -1,12 +1,10 @@
 #include "services/viewer/web/web_server.hpp"
 
 #include <gmock/gmock.h>
-#include <unistd.h>
 #include <zlib.h>
 
 #include <thread>
 
-#include "services/viewer/web/listening_socket.hpp"
 #include "tests/services/viewer/web/raw_client.hpp"
 
 namespace curbstone::viewer::web {
@@ -302,34 +300,6 @@ TEST_F(WebServerTest, TwoHundredConnectionsLeaveThePageItsOwn) {
   EXPECT_EQ(events[0].text, "still here");
   crowd.clear();
   EXPECT_TRUE(comes_to([&] { return ask(get("/", host_)).find("200 OK") != std::string::npos; }));
-}
-
-TEST(ListeningSocketTest, SaysWhatIsWrong) {
-  const auto error_of = [](const std::string& address, std::uint16_t port, const std::string& network) -> std::string {
-    try {
-      (void)open_listening_socket(address, port, 1, network);
-    } catch (const std::runtime_error& error) {
-      return error.what();
-    }
-    return "";
-  };
-  EXPECT_THAT(error_of("nonsense", 0, ""), HasSubstr("nonsense: not an address"));
-  EXPECT_THAT(error_of("203.0.113.5", 0, ""), HasSubstr("203.0.113.5, port 0: Cannot assign"));
-  EXPECT_THAT(error_of("127.0.0.1", 0, "/proc/none"), HasSubstr("/proc/none: not a network"));
-  const int taken = open_listening_socket("127.0.0.1", 0, 1, "");
-  EXPECT_THAT(error_of("127.0.0.1", port_of(taken), ""), HasSubstr("Address already in use"));
-  const int elsewhere = open_listening_socket("127.0.0.1", 0, 1, "/proc/self/ns/net");
-  EXPECT_GT(port_of(elsewhere), 0);
-}
-
-TEST(ListeningSocketTest, TakesTheNextFreePortWhereItMayTrySeveral) {
-  const int first = open_listening_socket("127.0.0.1", 18088, 20, "");
-  const int second = open_listening_socket("127.0.0.1", 18088, 20, "");
-  EXPECT_EQ(port_of(first), 18088);
-  EXPECT_EQ(port_of(second), 18089);
-  EXPECT_THROW((void)open_listening_socket("127.0.0.1", 18088, 2, ""), std::runtime_error);
-  close(first);
-  close(second);
 }
 
 }  // namespace
