@@ -1,12 +1,10 @@
 #include "common/log/log_writer.hpp"
 
-#include <fmt/format.h>
 #include <lcm/eventlog.h>
 
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <stdexcept>
+#include <system_error>
 
 #include "common/log/message_order.hpp"
 
@@ -16,8 +14,8 @@ namespace {
 
 constexpr std::int64_t kRecordHeader = 28;  // sync word, number, time, two lengths
 
-std::runtime_error cannot_be_written(const std::string& file) {
-  return std::runtime_error(fmt::format("{}: cannot be written: {}", file, std::strerror(errno)));
+std::system_error cannot_be_written(const std::string& file) {
+  return {errno, std::generic_category(), file + ": cannot be written"};
 }
 
 }  // namespace

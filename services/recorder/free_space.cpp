@@ -31,6 +31,17 @@ bool holds_only_a_recording(const fs::path& folder) {
   return !error;
 }
 
+/// A session's name is its start, which a clock that was wrong then makes too old: one of 1970 may be the newest.
+fs::file_time_type last_written(const fs::path& folder) {
+  std::error_code error;
+  fs::file_time_type last = fs::last_write_time(folder, error);
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    std::error_code ignored;
+    last = std::max(last, it->last_write_time(ignored));
+  }
+  return last;
+}
+
 bool is_written_now(const fs::path& folder) {
   const int fd = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   const bool free = fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0;
@@ -41,16 +52,19 @@ bool is_written_now(const fs::path& folder) {
 }  // namespace
 
 std::vector<fs::path> deletable_sessions(const fs::path& folder, const fs::path& current) {
-  std::vector<fs::path> sessions;
+  std::vector<std::pair<fs::file_time_type, fs::path>> sessions;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const fs::path& path = it->path();
     std::error_code ignored;
     if (it->is_symlink(ignored) || !it->is_directory(ignored) || fs::equivalent(path, current, ignored)) continue;
-    if (is_named_as_session(path) && holds_only_a_recording(path) && !is_written_now(path)) sessions.push_back(path);
+    if (is_named_as_session(path) && holds_only_a_recording(path) && !is_written_now(path))
+      sessions.emplace_back(last_written(path), path);
   }
-  std::sort(sessions.begin(), sessions.end());  // names are times
-  return sessions;
+  std::sort(sessions.begin(), sessions.end());
+  std::vector<fs::path> paths;
+  for (auto& [time, path] : sessions) paths.push_back(std::move(path));
+  return paths;
 }
 
 FreeSpace::FreeSpace(fs::path folder, std::int64_t keep, Measure measure)

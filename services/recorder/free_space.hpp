@@ -8,10 +8,10 @@
 
 namespace curbstone::recorder {
 
-/// Keeps a part of a disk free by deleting the oldest sessions of a folder. It deletes whole sessions only, and only
-/// folders that have the name of a session and contain nothing but a recorder's files. It never deletes the current
-/// session, a session that another recorder is writing (it is locked), or a session that contains a file of another
-/// name, "keep" for example.
+/// Keeps a part of a disk free by deleting the oldest sessions of a folder, by the time of their last message. It
+/// deletes whole sessions only, and only folders that have the name of a session and contain nothing but a recorder's
+/// files. It never deletes the current session, a session that another recorder is writing (it is locked), or a session
+/// that contains a file of another name, "keep" for example.
 class FreeSpace {
  public:
   using Measure = std::function<std::int64_t(const std::filesystem::path&)>;
@@ -37,7 +37,7 @@ class FreeSpace {
   std::int64_t deleted_ = 0;
 };
 
-/// The sessions of a folder that may be deleted, the oldest first.
+/// The sessions of a folder that may be deleted, that which was last written the longest ago first.
 [[nodiscard]] std::vector<std::filesystem::path> deletable_sessions(const std::filesystem::path& folder,
                                                                     const std::filesystem::path& current);
 

@@ -1,6 +1,8 @@
 #include "services/recorder/recorder_node.hpp"
 
+#include <filesystem>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "common/time/has_passed.hpp"
@@ -11,28 +13,42 @@ namespace {
 constexpr std::int64_t kPeriod = 1'000'000;       // us
 constexpr std::int64_t kDeletedFor = 60'000'000;  // us for which a deleted file is reported
 
+/// A disk that is full, failing or mounted read-only may be mended while the vehicle drives.
+bool may_be_mended(const std::error_code& error) {
+  return error == std::errc::no_space_on_device || error == std::errc::read_only_file_system ||
+         error == std::errc::io_error;
+}
+
 }  // namespace
 
 RecorderNode::RecorderNode(const RecorderConfig& config, Tappable& bus, std::int64_t now)
     : config_(config), space_(config.folder, static_cast<std::int64_t>(config.keep_free * 1e9)) {
-  if (config_.file.empty()) session_.emplace(config_.folder, now);
-  if (has_room()) begin();
+  try {
+    if (has_room()) begin(now);
+  } catch (const std::system_error& error) {
+    if (!may_be_mended(error.code())) throw;
+    stop(error.what());
+  }
   const auto write_any = [this](const std::string& channel, const void* data, int size, std::int64_t utime) {
     write(channel, data, size, utime);
   };
   bus.tap(write_any, {.capacity = config.queue}, config.skip);
 }
 
-void RecorderNode::begin() {
+void RecorderNode::begin(std::int64_t now) {
+  if (config_.file.empty() && !session_) {
+    session_.emplace(config_.folder, now);
+    if (last_ != 0) session_->write_config(configs_.yaml());  // heard while there was no disk
+  }
   const auto next_name = [this] { return session_ ? session_->next_log() : unused_name(config_.file); };
   const auto head = [this](LogWriter& log, std::int64_t utime) { configs_.write(log, utime); };
   recording_.emplace(next_name, std::int64_t{config_.split_mb} * 1'000'000, head);
 }
 
 bool RecorderNode::has_room() {
-  if (!session_) return true;
+  if (!config_.file.empty()) return true;
   const std::int64_t deleted = space_.deleted();
-  const bool room = space_.make_room(session_->path());
+  const bool room = space_.make_room(session_ ? session_->path() : std::filesystem::path());
   if (space_.deleted() > deleted) report_.counters.add("deleted.sessions", space_.deleted() - deleted);
   if (!room) stop(space_.why_refused());
   return room;
@@ -64,7 +80,7 @@ void RecorderNode::tick(std::int64_t now) {
   }
   if (!has_room()) return;
   try {
-    begin();
+    begin(now);
   } catch (const std::runtime_error& error) {
     stop(error.what());
   }

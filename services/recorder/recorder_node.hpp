@@ -19,7 +19,8 @@ namespace curbstone::recorder {
 /// is room again. Each file begins with the CONFIG of every process that has been heard.
 class RecorderNode final : public Node {
  public:
-  /// `now`: us, determines the session's name. Throws std::runtime_error when the file cannot be written.
+  /// `now`: us, determines the session's name. Throws std::runtime_error when the file cannot be written, unless the
+  /// disk is full, failing or mounted read-only: that is a fault, and tried again each second.
   RecorderNode(const RecorderConfig& config, Tappable& bus, std::int64_t now);
 
   void connect(Subscriber&) override {}
@@ -32,11 +33,11 @@ class RecorderNode final : public Node {
   void write(const std::string& channel, const void* data, int size, std::int64_t utime);
   void flush();
   void stop(const std::string& why);
-  void begin();
+  void begin(std::int64_t now);
   [[nodiscard]] bool has_room();
 
   RecorderConfig config_;
-  std::optional<Session> session_;  // none: config_.file
+  std::optional<Session> session_;  // none: config_.file, or no disk yet
   FreeSpace space_;
   ConfigCache configs_;
   std::optional<Recording> recording_;  // none while the disk is full

@@ -8,6 +8,7 @@
 #include <ctime>
 #include <fstream>
 #include <stdexcept>
+#include <system_error>
 
 namespace curbstone::recorder {
 
@@ -32,7 +33,7 @@ Session::Session(const fs::path& folder, std::int64_t utime) {
   const fs::path first = folder / utc_name(utime);
   path_ = first;
   for (int n = 2; !error && !fs::create_directory(path_, error); ++n) path_ = fmt::format("{}-{}", first.string(), n);
-  if (error) throw std::runtime_error(fmt::format("{}: cannot be made: {}", path_.string(), error.message()));
+  if (error) throw std::system_error(error, path_.string() + ": cannot be made");
   lock();
 }
 

@@ -53,5 +53,15 @@ TEST(BadStarts, AMapThatIsNone) {  // one whose folder is not there is waited fo
   EXPECT_EQ(read_file(folder / "map.db"), "this is a letter, not a map\n") << "left as it was";
 }
 
+/// Debian mounts a disk with errors read-only.
+TEST(BadStarts, ARecorderWaitsForADiskThatIsReadOnly) {
+  if (run_program("unshare -m true").exit_status != 0) GTEST_SKIP() << "may not mount";
+  const auto result = run_program(
+      "unshare -m sh -c 'mount -t tmpfs -o ro none /mnt && timeout --preserve-status 4 curbstone-recorder --set "
+      "folder=/mnt/log'");
+  EXPECT_EQ(result.exit_status, 0) << "it is ended by a signal";
+  EXPECT_THAT(result.err, ::testing::ContainsRegex("/mnt/log/.*cannot be made: Read-only file system"));
+}
+
 }  // namespace
 }  // namespace curbstone::system_test

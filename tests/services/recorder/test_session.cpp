@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <curbstone/imu_t.hpp>
 #include <curbstone/service_config_t.hpp>
 #include <filesystem>
@@ -122,6 +123,20 @@ TEST_F(SessionTest, TheOldestSessionsMakeRoom) {
   EXPECT_FALSE(fs::exists(first));
   EXPECT_FALSE(fs::exists(second));
   EXPECT_TRUE(fs::exists(third / "drive-000.lcmlog"));
+}
+
+/// The clock was at 1970 at its start, and was set right later.
+TEST_F(SessionTest, TheOldestIsTheOneLastWrittenTheLongestAgoWhateverItsName) {
+  const fs::path older = old_session(2);
+  const fs::path newer = folder_ / "log" / "1970-01-01T000010Z";
+  fs::create_directory(newer);
+  const auto long_ago = fs::last_write_time(older) - std::chrono::hours(24);
+  for (const fs::path& path : {older / "drive-000.lcmlog", older / "config.yaml", older})
+    fs::last_write_time(path, long_ago);
+  std::ofstream(newer / "drive-000.lcmlog") << "log";
+  EXPECT_THAT(deletable_sessions(folder_ / "log", folder_ / "log"), ElementsAre(older, newer));
+  fs::last_write_time(newer, long_ago - std::chrono::hours(1));
+  EXPECT_THAT(deletable_sessions(folder_ / "log", folder_ / "log"), ElementsAre(older, newer)) << "its file counts";
 }
 
 TEST_F(SessionTest, TheCurrentOneAndWhatIsNotOnlyARecordingAreNeverDeleted) {
