@@ -47,6 +47,8 @@ void RecorderNode::begin(std::int64_t now) {
 
 bool RecorderNode::has_room() {
   if (!config_.file.empty()) return true;
+  std::error_code ignored;
+  if (!session_) std::filesystem::create_directories(config_.folder, ignored);  // its disk is that of the space
   const std::int64_t deleted = space_.deleted();
   const bool room = space_.make_room(session_ ? session_->path() : std::filesystem::path());
   if (space_.deleted() > deleted) report_.counters.add("deleted.sessions", space_.deleted() - deleted);
