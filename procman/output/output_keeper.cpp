@@ -30,6 +30,12 @@ std::string utc(std::int64_t utime) {
                      utime / 1000 % 1000);
 }
 
+/// A disk that is full, failing or mounted read-only must not keep the vehicle from driving: that is a fault. Any other
+/// error is one of the command line.
+bool is_of_the_disk(int error) {
+  return error == ENOSPC || error == EDQUOT || error == EROFS || error == EIO;
+}
+
 }  // namespace
 
 OutputKeeper::OutputKeeper(std::string folder, KeepLimits limits, std::function<std::int64_t()> clock)
@@ -40,6 +46,7 @@ OutputKeeper::OutputKeeper(std::string folder, KeepLimits limits, std::function<
   const std::string probe = folder_ + "/.curbstone-deputy";
   std::FILE* file = error ? nullptr : std::fopen(probe.c_str(), "we");
   if (file == nullptr) {
+    if (is_of_the_disk(error ? error.value() : errno)) return;
     throw std::runtime_error(
         fmt::format("cannot write into the log folder {}: does it exist, and is it ours?", folder_));
   }

@@ -29,8 +29,8 @@ struct KeepLimits {
 /// lasts.
 class OutputKeeper {
  public:
-  /// `folder` empty: memory only. Creates the folder; throws std::runtime_error with a one-line message if it cannot.
-  /// `clock`: us since the Unix epoch.
+  /// `folder` empty: memory only. Creates the folder; throws std::runtime_error with a one-line message if it cannot,
+  /// unless the disk is full, failing or mounted read-only. `clock`: us since the Unix epoch.
   explicit OutputKeeper(std::string folder, KeepLimits limits = {}, std::function<std::int64_t()> clock = wall_clock);
 
   /// Adds bytes in pieces of any size. Calls `on_line` for each complete line.

@@ -23,6 +23,20 @@ TEST(DeputyOutput, SaysWhichScriptCannotBeRunAndRunsTheRest) {
   EXPECT_THAT(result.out, HasSubstr("a: it runs"));
 }
 
+/// Debian mounts a disk with errors read-only.
+TEST(DeputyOutput, ALogFolderOnAReadOnlyDiskIsAFaultAndTheVehicleDrives) {
+  const test::TemporaryFolder folder;
+  if (run_program("unshare -m true").exit_status != 0) GTEST_SKIP() << "may not mount";
+  write_file(folder / "test.cfg", "cmd \"a\" { exec = \"sh -c 'echo it runs; sleep 3'\"; deputy = \"d\"; }\n");
+  const auto result = run_program(
+      fmt::format("unshare -m sh -c 'mount -t tmpfs -o ro none /mnt && exec curbstone-deputy --start-all --exit-when a "
+                  "--log-dir /mnt/log --config {}/test.cfg'",
+                  folder.path().string()));
+  EXPECT_EQ(result.exit_status, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("a: it runs"));
+  EXPECT_THAT(result.out + result.err, HasSubstr("what the command prints is kept in memory only"));
+}
+
 /// Ctrl-S in its terminal, `| less`, a connection that stalls.
 TEST(DeputyOutput, TheVehicleDoesNotWaitForWhoReadsIt) {
   const test::TemporaryFolder folder;
