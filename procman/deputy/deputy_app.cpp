@@ -120,6 +120,7 @@ void DeputyApp::shut_down() {
     loop_.run();  // until tick() has the end, or another signal arrives
     if (stopping_->step(steady_clock())) break;
     log_line("killing what is left");
+    kills_ = true;
     supervisor_.kill_all();
   }
   for (const std::string& id : stopping_->abandoned()) log_line(fmt::format("{} does not even die when killed", id));
@@ -284,7 +285,7 @@ void DeputyApp::on_ended(const process::CommandState& state, std::int64_t lived)
   if (short_runs < kCrashLoop) {
     std::string what = fmt::format("{} ended: {}", id, how);
     if (state.hung) what += "; it hung and is replaced";
-    if (state.killed && !state.hung)
+    if (state.killed && !state.hung && !kills_)
       what += fmt::format("; it was killed: it did not stop within {} s", state.command.stop_time_allowed);
     if (state.refused) what += "; wrong configuration or options: it is not started again until ordered";
     log_line(what);

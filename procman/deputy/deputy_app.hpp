@@ -74,6 +74,7 @@ class DeputyApp {
   std::optional<StartSequence> starting_;
   std::optional<ScriptRunner> script_;
   std::optional<process::StopSequence> stopping_;
+  bool kills_ = false;                     // as a second signal asks: no command has failed to stop
   std::map<std::string, int> short_runs_;  // consecutive short lives, by command
   bool begun_ = false;
   int status_ = 0;

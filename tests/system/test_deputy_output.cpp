@@ -37,6 +37,20 @@ TEST(DeputyOutput, ALogFolderOnAReadOnlyDiskIsAFaultAndTheVehicleDrives) {
   EXPECT_THAT(result.out + result.err, HasSubstr("what the command prints is kept in memory only"));
 }
 
+TEST(DeputyOutput, WhatASecondSignalKilledHasNotFailedToStop) {
+  const test::TemporaryFolder folder;
+  write_file(folder / "test.cfg",
+             "cmd \"slow\" { exec = \"sh -c 'trap : INT TERM; while :; do sleep 1; done'\"; deputy = \"d\"; "
+             "stop_time_allowed = 20; }\n");
+  const auto result = run_program(fmt::format(
+      "sh -c 'curbstone-deputy --start-all --config {}/test.cfg & d=$!; sleep 2; kill $d; sleep 1; kill $d; "
+      "wait $d'",
+      folder.path().string()));
+  EXPECT_THAT(result.out, HasSubstr("deputy: killing what is left"));
+  EXPECT_THAT(result.out, HasSubstr("slow ended: Killed after"));
+  EXPECT_THAT(result.out, ::testing::Not(HasSubstr("it did not stop")));
+}
+
 /// Ctrl-S in its terminal, `| less`, a connection that stalls.
 TEST(DeputyOutput, TheVehicleDoesNotWaitForWhoReadsIt) {
   const test::TemporaryFolder folder;
