@@ -82,7 +82,7 @@ bool FreeSpace::make_room(const fs::path& current) {
 }
 
 std::string FreeSpace::why_refused() const {
-  return fmt::format("less than {:.1f} GB are free on the disk of {}, and no older session can be deleted",
+  return fmt::format("less than {:.3g} GB are free on the disk of {}, and no older session can be deleted",
                      static_cast<double>(keep_) * 1e-9, folder_.string());
 }
 

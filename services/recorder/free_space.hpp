@@ -23,7 +23,7 @@ class FreeSpace {
   [[nodiscard]] bool make_room(const std::filesystem::path& current);
   /// The number of sessions deleted so far.
   [[nodiscard]] std::int64_t deleted() const { return deleted_; }
-  /// The reason in words: "less than 10.0 GB are free on the disk of ..., and no older session can be deleted".
+  /// The reason in words: "less than 10 GB are free on the disk of ..., and no older session can be deleted".
   [[nodiscard]] std::string why_refused() const;
 
   /// The free space for users other than root. A disk that cannot be queried counts as free: writing will show an

@@ -152,7 +152,7 @@ TEST_F(SessionTest, TheCurrentOneAndWhatIsNotOnlyARecordingAreNeverDeleted) {
   EXPECT_FALSE(space.make_room(current));
   EXPECT_EQ(space.deleted(), 0);
   for (const fs::path& path : {current, kept, other, written.path()}) EXPECT_TRUE(fs::exists(path)) << path;
-  EXPECT_THAT(space.why_refused(), HasSubstr("less than 10.0 GB are free"));
+  EXPECT_THAT(space.why_refused(), HasSubstr("less than 10 GB are free"));
 }
 
 TEST_F(SessionTest, ARecorderThatMayNotWriteSaysSoAndCountsWhatItLoses) {
