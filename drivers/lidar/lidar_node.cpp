@@ -271,9 +271,7 @@ NodeReport LidarNode::report() const {
   if (const auto difference = clock_.difference()) set_level(report.counters, "clock.difference_us", *difference);
   if (host_is_synchronised_) set_level(report.counters, "clock.host_synchronised", *host_is_synchronised_ ? 1 : 0);
   const bool tells = model_ && !health_.info_is_old();  // of the device as it is now
-  if (tells) {
-    for (const auto& [name, value] : model_->facts().values.values()) report.counters.set(name, value);
-  }
+  if (tells) report.counters.set(model_->facts().values);
 
   if (!source_fault_.empty()) report.faults.push_back(source_fault_);
   if (!sender_fault_.empty()) report.faults.push_back(sender_fault_);

@@ -225,7 +225,7 @@ NodeReport EkfNode::report() const {
   report.counters = counters_;
   const Counters filtering = filter_.counters();
   for (const Counters* part : {&clock_.counters(), &increments_.counters(), &sequencer_.counters(), &filtering})
-    for (const auto& [name, value] : part->values()) report.counters.add(name, value);
+    report.counters.add(*part);
   const inputs::ImuNoise& noise = shaken_imu_.noise();
   set_level(report.counters, "imu.gyro_noise_percent", std::lround(100.0 * noise.gyro() / config_.noise.gyro));
   set_level(report.counters, "imu.accelerometer_noise_percent",

@@ -225,9 +225,7 @@ void LocalizerNode::finish() {
 NodeReport LocalizerNode::report() const {
   NodeReport report;
   report.counters = counters_;
-  for (const Counters* part : {&clock_.counters(), &assembler_.counters()}) {
-    for (const auto& [name, value] : part->values()) report.counters.add(name, value);
-  }
+  for (const Counters* part : {&clock_.counters(), &assembler_.counters()}) report.counters.add(*part);
   if (map_->unreadable() > 0)
     report.counters.add("map.unreadable_tiles", static_cast<std::int64_t>(map_->unreadable()));
   report.latency_p50 = latency_.percentile(0.5);

@@ -275,9 +275,8 @@ Counters Mapper::counters() const {
   Counters all = counters_;
   for (const Counters* part :
        {&tracker_.counters(), &tracker_.odometry_check().counters(), &tracker_.mount().counters(), &closer_.counters(),
-        &scale_.counters(), &dense_->counters(), &co_moving_.counters()}) {
-    for (const auto& [name, value] : part->values()) all.add(name, value);
-  }
+        &scale_.counters(), &dense_->counters(), &co_moving_.counters()})
+    all.add(*part);
   return all;
 }
 

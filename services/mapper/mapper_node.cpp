@@ -269,12 +269,10 @@ NodeReport MapperNode::report() const {
   report.counters = counters_;
   input_.add_counters(report.counters);
   const Counters method = mapper_->counters();
-  for (const auto& [name, value] : method.values()) report.counters.add(name, value);
-  for (const auto& [name, value] : lidar_at_start_.counters().values()) report.counters.add(name, value);
+  report.counters.add(method);
+  report.counters.add(lidar_at_start_.counters());
   sensor_monitor_.add_counters(report.counters);
-  if (saver_) {
-    for (const auto& [name, value] : saver_->counters().values()) report.counters.add(name, value);
-  }
+  if (saver_) report.counters.add(saver_->counters());
   set_level(report.counters, "far.memory_kb", static_cast<std::int64_t>(spill_file_->bytes_in_memory() / 1024));
   set_level(report.counters, "far.disk_kb", static_cast<std::int64_t>(spill_file_->bytes_in_file() / 1024));
   set_level(report.counters, "far.unreadable", spill_file_->unreadable());

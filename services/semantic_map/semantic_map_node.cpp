@@ -305,7 +305,7 @@ void SemanticMapNode::store(std::int64_t now) {
 NodeReport SemanticMapNode::report() const {
   NodeReport report;
   report.counters = counters_;
-  for (const auto& [name, value] : keeper_.counters().values()) report.counters.set(name, value);
+  report.counters.set(keeper_.counters());
   set_level(report.counters, "store.failing", keeper_.failing() ? 1 : 0);
   set_level(report.counters, "tiles", static_cast<std::int64_t>(pipeline_.num_tiles()));
   set_level(report.counters, "tiles_waiting", static_cast<std::int64_t>(schedule_.num_waiting() + unsent_.size()));
