@@ -53,7 +53,7 @@ bool SingleSender::has_gone(std::int64_t utime) const {
 
 void SingleSender::take(std::int64_t utime, std::int32_t number) {
   if (refused_ > 0) {
-    others_ = has_passed(kSecond, other_, utime) ? refused_ : std::min(others_ + refused_, kFewest);
+    others_ = has_passed(kSecond, other_, utime) ? refused_ : std::min(others_ + refused_, kMinMessages);
     other_ = utime;
     refused_ = 0;
   } else if (others_ > 0 && has_passed(kSecond, other_, utime)) {

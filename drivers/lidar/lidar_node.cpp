@@ -21,7 +21,7 @@ using decoding::Refusal;
 namespace {
 
 constexpr std::size_t kLatencies = 750;          // one second of packets
-constexpr std::size_t kLongestRaw = 2500;        // bytes
+constexpr std::size_t kMaxRawSize = 2500;        // bytes
 constexpr std::int64_t kSecond = 1'000'000;      // us
 constexpr double kTaiMinusUtcFrom = 36.0;        // s: 37 at present
 constexpr double kTaiMinusUtcTo = 38.0;          // s
@@ -211,7 +211,7 @@ std::int32_t LidarNode::scan_of_count() {
 }
 
 void LidarNode::publish_raw(std::int64_t received, int port, std::span<const std::uint8_t> bytes) {
-  if (bytes.size() > kLongestRaw) return counters_.add("dropped.raw_too_long");
+  if (bytes.size() > kMaxRawSize) return counters_.add("dropped.raw_too_long");
   raw_packet_t raw;
   raw.utime = received;
   raw.port = port;

@@ -10,8 +10,8 @@ namespace {
 
 constexpr int kCircle = 36000;    // 0.01 deg
 constexpr int kStepBack = 1000;   // a backward step of less than this is one; a larger one is a wide blind zone
-constexpr int kFastest = 100;     // more than any motor speed: 20, 40, 80 at 5, 10, 20 Hz
-constexpr int kSlowest = 3;       // slower: the head stands, or its azimuth is stuck; the bytes do not show which
+constexpr int kMaxStep = 100;     // more than any motor speed: 20, 40, 80 at 5, 10, 20 Hz
+constexpr int kMinStep = 3;       // slower: the head stands, or its azimuth is stuck; the bytes do not show which
 constexpr int kMinTolerance = 8;  // rounding and jitter; the steps of a Helios are within 6 of their median
 
 int step(std::uint16_t from, std::uint16_t to) {
@@ -53,10 +53,10 @@ BlockSteps block_steps(std::span<const std::uint16_t> azimuths, const BlindZone&
   result.mean = static_cast<double>(turned) / even_steps;
   if (odd_steps == 1 && median > 0) {
     const int width = (all[*odd] + kCircle) % kCircle;
-    if (width > kFastest) result.gap = Gap{azimuths[*odd], width};
+    if (width > kMaxStep) result.gap = Gap{azimuths[*odd], width};
   }
   const bool blind = result.gap && blind_zone.is(*result.gap);
-  result.steady = median <= kFastest && median >= kSlowest && (odd_steps == 0 || blind);
+  result.steady = median <= kMaxStep && median >= kMinStep && (odd_steps == 0 || blind);
   if (!result.steady) return result;
 
   double start = 0;

@@ -15,7 +15,7 @@
 namespace curbstone::semantic_map::marking_lines {
 namespace {
 
-constexpr double kShortestAlone = 0.8;  // m
+constexpr double kMinLoneLength = 0.8;  // m
 constexpr double kSameLine = 0.3;       // m: what a line of before is found by
 
 TileKey place_of(const tile::MarkingVertex& v) {
@@ -39,7 +39,7 @@ std::vector<tile::MarkingLine> link_marking_cells(const std::vector<MapMarkingCe
   std::vector<tile::MarkingLine> lines = crossings;
   for (const PieceSequence& sequence : join_pieces(pieces, crossings)) {
     for (const TypedSequence& part : type_sequence(sequence, path, is_seen)) {
-      if (part.pieces.size() == 1 && part.pieces.front().length() < kShortestAlone) continue;
+      if (part.pieces.size() == 1 && part.pieces.front().length() < kMinLoneLength) continue;
       lines.push_back(line_of(part.pieces, part.type));
     }
   }

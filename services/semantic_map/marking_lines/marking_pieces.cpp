@@ -9,11 +9,11 @@ namespace {
 
 using curb_lines::SmoothingSpline;
 
-constexpr std::size_t kFewestPoints = 3;
-constexpr double kShortestPiece = 0.30;  // m
-constexpr double kPieceWidth = 0.35;     // m: paint of this piece
-constexpr double kNarrowest = 0.1;  // m: as wide, at least and at most, a piece is taken where its sides are looked at
-constexpr double kBroadest = 0.5;
+constexpr std::size_t kMinPoints = 3;
+constexpr double kMinPieceLength = 0.30;  // m
+constexpr double kPieceWidth = 0.35;      // m: paint of this piece
+constexpr double kMinWidth = 0.1;  // m: as wide, at least and at most, a piece is taken where its sides are looked at
+constexpr double kMaxWidth = 0.5;
 constexpr double kLineWidth = 0.36;   // m: what is broader must be brighter, for mended asphalt is broad
 constexpr double kBesideFrom = 0.10;  // m from its edge, where its sides begin: its cells' own paint ends before
 constexpr double kBesideTo = 0.46;    // the next bar of a crossing begins behind
@@ -21,7 +21,7 @@ constexpr double kSeamTo = 0.25;      // m from its edge
 constexpr double kTar = 20;           // 0..255, below the ground around: what is darker, and than any road, is tar
 constexpr double kSeam = 0.08;        // share of tar along an edge, from which it is a seam
 constexpr double kMended = 1.3;       // times as bright must be what is broad along a seam
-constexpr double kSides = kBroadest / 2 + kBesideTo;  // m across that are looked at
+constexpr double kSides = kMaxWidth / 2 + kBesideTo;  // m across that are looked at
 constexpr double kCore = 0.08;                        // m: where it is whole
 constexpr double kBesideMiddle = 0.12;                // m, of either line of a double one
 constexpr double kEndReach = 0.25;                    // m beyond the last sample that paint may go on
@@ -223,11 +223,11 @@ void place_ends(const SmoothingSpline& spline, double last, MarkingPiece& piece)
 }  // namespace
 
 std::optional<MarkingPiece> measure_piece(const MarkingField& field, const MarkingChain& chain) {
-  if (chain.size() < kFewestPoints) return std::nullopt;
+  if (chain.size() < kMinPoints) return std::nullopt;
   MarkingPiece piece;
   piece.samples = lay_out(chain);
   const double last = piece.samples.back().s;
-  if (last < kShortestPiece) return std::nullopt;
+  if (last < kMinPieceLength) return std::nullopt;
   const SmoothingSpline spline(piece.samples);
   const std::vector<AlongCell> around = cells_along(field, spline, kSides);
   std::vector<AlongCell> cells;
@@ -240,7 +240,7 @@ std::optional<MarkingPiece> measure_piece(const MarkingField& field, const Marki
   piece.width = paint.width();
   find_ends(cells, paint, last, piece);
   place_ends(spline, last, piece);
-  const double half_width = std::clamp(piece.width, kNarrowest, kBroadest) / 2;
+  const double half_width = std::clamp(piece.width, kMinWidth, kMaxWidth) / 2;
   piece.tar = std::max(tar_along(around, last, half_width, 1, paint.level),
                        tar_along(around, last, half_width, -1, paint.level));
   piece.left = ground_beside(around, last, half_width, 1, paint.level);
@@ -251,7 +251,7 @@ std::optional<MarkingPiece> measure_piece(const MarkingField& field, const Marki
 
 bool is_paint(const MarkingPiece& piece, const markings::MarkingParameters& parameters) {
   const double broad =
-      std::max(std::clamp(piece.width / kLineWidth, 1.0, kBroadest / kLineWidth), piece.full_width / kLineWidth);
+      std::max(std::clamp(piece.width / kLineWidth, 1.0, kMaxWidth / kLineWidth), piece.full_width / kLineWidth);
   const double mended = broad > 1 && piece.tar > kSeam ? kMended : 1;
   if (piece.contrast < mended * broad * parameters.min_contrast) return false;
   const double most = parameters.side_share * piece.contrast;

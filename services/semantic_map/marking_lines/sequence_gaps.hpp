@@ -8,9 +8,9 @@
 
 namespace curbstone::semantic_map::marking_lines {
 
-inline constexpr double kLongestHole = 0.6;  ///< m: in a line that is worn
+inline constexpr double kMaxHoleLength = 0.6;  ///< m: in a line that is worn
 /// Longest dash, in lengths of its gaps: with longer ones the gaps are holes.
-inline constexpr double kDashOfGap = 2.2;
+inline constexpr double kMaxDashToGap = 2.2;
 
 /// Whether the ground at a place, m in map, was seen. Not where a parked car hid it. None: all of it was.
 using SeenGround = std::function<bool(const Eigen::Vector2d&)>;

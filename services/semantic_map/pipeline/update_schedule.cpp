@@ -19,7 +19,7 @@ constexpr double kOld = 200'000;                     // us: what waits for so lo
 constexpr std::int64_t kOverdue = 1'000'000;         // us: what waits for longer comes first
 constexpr double kNear = 20;                         // m: there a tile is half as urgent as at the vehicle
 constexpr double kMeanUpdate = 1.7;                  // WorkResult::cost of a tile's update, on average in a town
-constexpr double kLeastUpdate = 0.5;                 // beside what is counted: no update is for nothing
+constexpr double kMinUpdateCost = 0.5;               // beside what is counted: no update is for nothing
 
 }  // namespace
 
@@ -81,7 +81,7 @@ void UpdateSchedule::earn_work(std::int64_t now) {
 double UpdateSchedule::urgency(const Pending& pending, double distance, std::int64_t now) {
   const auto waited = static_cast<double>(now - pending.since);
   const double saved = pending.num_steps * (waited - pending.mean_step_at) * (1 + waited / kOld);
-  return std::max(saved, 0.0) / (pending.cost + kLeastUpdate) / (1 + distance / kNear);
+  return std::max(saved, 0.0) / (pending.cost + kMinUpdateCost) / (1 + distance / kNear);
 }
 
 /// The most urgent tile with points of its own that are new, either to a good part of them or for a while.

@@ -13,7 +13,7 @@ using decoding::Refusal;
 namespace {
 
 constexpr std::int64_t kHour = 3'600'000'000;             // us
-constexpr std::int64_t kLongestHour = kHour + 1'000'000;  // us: values slightly above an hour occur
+constexpr std::int64_t kMaxPastHour = kHour + 1'000'000;  // us: values slightly above an hour occur
 
 decoding::BlockRecords records_of(std::span<const std::uint8_t> block) {
   decoding::BlockRecords records;
@@ -79,7 +79,7 @@ Refusal Vlp16Decoder::decode(std::int64_t received, std::span<const std::uint8_t
 
   packet.begin();
   const std::int64_t past_hour = read_little_endian<std::uint32_t>(bytes.subspan(kStamp));
-  if (past_hour < kLongestHour) packet.stamp = resolve(past_hour, received);
+  if (past_hour < kMaxPastHour) packet.stamp = resolve(past_hour, received);
   if (packet.stamp) blind_zone_.next_stamp(*packet.stamp);
   if (!steps.steady) {
     const double lasts = static_cast<double>(firings) * kBlockPeriod * 1e6;
