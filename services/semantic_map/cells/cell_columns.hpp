@@ -15,14 +15,14 @@
 
 namespace curbstone::semantic_map::cells {
 
-/// Parameters of what blocks a cell.
+/// Parameters of the cell classes.
 struct ClassParameters {
-  double ground_band = 0.20;     ///< m about the ground: points in it are the ground's (pavement and curb included)
+  double ground_band = 0.20;     ///< m around the ground: points in it are ground (pavement and curb included)
   double min_obstacle = 0.22;    ///< m above ground
   double vehicle_height = 2.00;  ///< m; from the vehicle's section
-  double min_vehicle = 0.90;     ///< m: what is this high and as large as a car is as good as a wall
+  double min_vehicle = 0.90;     ///< m: an object of this height and of the size of a car is classified as wall
   int min_points = 2;            ///< in a cell and at its edges, to be an obstacle
-  double margin = 0.02;          ///< m beyond a cell's edge at which a point may in fact stand: twice its own error
+  double margin = 0.02;          ///< m: a point so close to an edge may belong to the next cell: twice its error
   bool unknown_is_free = false;  ///< the paper's policy; the safe one is the default
   double max_step = 0.15;        ///< m the vehicle may climb
 

@@ -36,7 +36,8 @@ bool is_uniform(const std::vector<double>& values) {
   return 3 * static_cast<std::size_t>(alike) >= 2 * values.size();
 }
 
-/// Whether dashes and gaps repeat. Of many dashes the first and last are ignored, for the line may be cut off there.
+/// Whether dashes and gaps repeat. Of four dashes and more the first and last are ignored, as the line may be cut off
+/// there.
 bool are_periodic(const std::vector<double>& dashes, const std::vector<double>& gaps) {
   const std::vector<double> inner =
       dashes.size() > 3 ? std::vector<double>(dashes.begin() + 1, dashes.end() - 1) : dashes;
@@ -68,7 +69,7 @@ std::vector<double> gaps_within(const std::vector<Gap>& gaps, const Stretch& str
   return lengths;
 }
 
-/// Lengths of dashes, and of the open gaps between them, m. A worn hole does not part a dash.
+/// Lengths of dashes, and of the open gaps between them, m. A worn hole does not divide a dash.
 struct Dashes {
   std::vector<double> lengths, open;
 };
@@ -95,7 +96,7 @@ std::vector<Gap> gaps_beside(const std::vector<Gap>& gaps, const Stretch& stretc
   return beside;
 }
 
-/// Whether a single dash has gaps of dashes beside it. A solid line that begins within one cuts it short.
+/// Whether a single dash has gaps beside it as dashes have. A solid line that begins within such a gap cuts it short.
 bool is_lone_dash(double length, const std::vector<Gap>& beside) {
   double longest = 0;
   for (const Gap& gap : beside) {
@@ -105,8 +106,8 @@ bool is_lone_dash(double length, const std::vector<Gap>& beside) {
   return longest >= kSureGap && length <= std::min(kMinSolid, kMaxDashToGap * longest);
 }
 
-/// Whether the pieces of a stretch are dashes. The open gaps to what is beside it say so, too. Beside a solid line,
-/// gaps that are shorter than those of a lane's dashes are its holes.
+/// Whether the pieces of a stretch are dashes, judged by the open gaps within it and beside it. Beside a solid line,
+/// gaps that are shorter than those between the dashes of a lane are its holes.
 bool is_dashed(const PieceSequence& sequence, const std::vector<Gap>& gaps, const Stretch& stretch) {
   const Dashes of_stretch = dashes_of(sequence, gaps, stretch);
   const std::vector<double>& dashes = of_stretch.lengths;
@@ -126,10 +127,10 @@ bool is_dashed(const PieceSequence& sequence, const std::vector<Gap>& gaps, cons
   return fit();
 }
 
-/// Parts a sequence into what is dashed and what is not, where `is_long` says of which pieces it is known that they are
-/// no dashes.
-std::vector<Stretch> part(const PieceSequence& sequence, const std::vector<Gap>& gaps,
-                          const std::vector<bool>& is_long) {
+/// Splits a sequence into stretches that are dashed and stretches that are not. `is_long`: the pieces that are known
+/// not to be dashes.
+std::vector<Stretch> split_by(const PieceSequence& sequence, const std::vector<Gap>& gaps,
+                              const std::vector<bool>& is_long) {
   std::vector<Stretch> stretches;
   for (std::size_t first = 0; first < sequence.size();) {
     std::size_t last = first;
@@ -141,9 +142,9 @@ std::vector<Stretch> part(const PieceSequence& sequence, const std::vector<Gap>&
   return stretches;
 }
 
-/// Dashes that go over into a worn line without a long piece, which are not periodic as a whole: the pieces of a
-/// stretch that are not among three or more dashes with gaps alike are no dashes.
-void part_worn(const PieceSequence& sequence, const std::vector<Gap>& gaps, const Stretch& stretch,
+/// Handles dashes that turn into a worn line without a long piece. Such a stretch is not periodic as a whole: its
+/// pieces that are not among three or more dashes with similar gaps are marked as long.
+void mark_worn(const PieceSequence& sequence, const std::vector<Gap>& gaps, const Stretch& stretch,
                std::vector<bool>& is_long) {
   constexpr std::size_t kMinDashes = 3;
   const auto is_gap = [&](std::size_t k) { return gaps[k].kind == Gap::Kind::kOpen && gaps[k].length >= kMinLaneGap; };
@@ -164,17 +165,17 @@ void part_worn(const PieceSequence& sequence, const std::vector<Gap>& gaps, cons
   for (std::size_t k = stretch.first; has_dashes && k <= stretch.last; ++k) is_long[k] = !is_dash[k];
 }
 
-/// The same. A solid line is parted from dashes; pieces that are no dashes stay with the solid line beside them.
-std::vector<Stretch> part(const PieceSequence& sequence, const std::vector<Gap>& gaps) {
+/// Splits a sequence where dashes meet a solid line; pieces that are not dashes stay with the solid line beside them.
+std::vector<Stretch> split_dashed(const PieceSequence& sequence, const std::vector<Gap>& gaps) {
   const std::size_t n = sequence.size();
   const auto is_hole = [&](std::size_t k) { return gaps[k].kind == Gap::Kind::kHole; };
-  // What a worn hole parts from a long piece is of the same line.
+  // A piece that only a worn hole separates from a long piece belongs to the same line.
   std::vector<bool> is_long(n);
   for (std::size_t k = 0; k < n; ++k)
     is_long[k] = sequence[k].length() > kMaxDashLength || (k > 0 && is_long[k - 1] && is_hole(k - 1));
   for (std::size_t k = n - 1; k > 0; --k) is_long[k - 1] = is_long[k - 1] || (is_long[k] && is_hole(k - 1));
-  // Where pieces do not repeat, all of those between holes may be one.
-  for (const Stretch& stretch : part(sequence, gaps, is_long)) {
+  // Where pieces do not repeat, those separated only by holes may together be one long piece.
+  for (const Stretch& stretch : split_by(sequence, gaps, is_long)) {
     for (std::size_t first = stretch.first; !stretch.is_dashed && first <= stretch.last;) {
       std::size_t last = first;
       while (last < stretch.last && is_hole(last)) ++last;
@@ -183,11 +184,11 @@ std::vector<Stretch> part(const PieceSequence& sequence, const std::vector<Gap>&
       first = last + 1;
     }
   }
-  for (const Stretch& stretch : part(sequence, gaps, is_long)) {
-    if (!stretch.is_dashed && !is_long[stretch.first]) part_worn(sequence, gaps, stretch, is_long);
+  for (const Stretch& stretch : split_by(sequence, gaps, is_long)) {
+    if (!stretch.is_dashed && !is_long[stretch.first]) mark_worn(sequence, gaps, stretch, is_long);
   }
   std::vector<Stretch> merged;
-  for (const Stretch& stretch : part(sequence, gaps, is_long)) {
+  for (const Stretch& stretch : split_by(sequence, gaps, is_long)) {
     if (!merged.empty() && !stretch.is_dashed && !merged.back().is_dashed)
       merged.back().last = stretch.last;
     else
@@ -196,7 +197,7 @@ std::vector<Stretch> part(const PieceSequence& sequence, const std::vector<Gap>&
   return merged;
 }
 
-/// A sequence in parts.
+/// A sequence with its stretches.
 struct PartedSequence {
   PieceSequence pieces;
   std::vector<Gap> gaps;
@@ -225,8 +226,8 @@ struct PartedSequence {
   }
 };
 
-/// The length of the dash that the solid line behind a stretch of dashes begins with, m; 0: with none. It does if it
-/// begins as far behind the last of them as they are apart: dashes keep their rhythm up to where the solid line begins.
+/// The length of the dash with which the solid line behind a stretch of dashes begins, m; 0: none. There is one if the
+/// line begins as far behind the last dash as the dashes are apart: they keep their rhythm up to the solid line.
 double abutting_dash(const PartedSequence& parted, const Stretch& dashed) {
   const Gap& to_solid = parted.gaps[dashed.last];
   if (to_solid.kind != Gap::Kind::kOpen || to_solid.length < kMinLaneGap) return 0;
@@ -237,7 +238,7 @@ double abutting_dash(const PartedSequence& parted, const Stretch& dashed) {
   return median_of(dashes.lengths);
 }
 
-/// Gives dashes that abut on the beginning of a solid line to the dashes before it.
+/// Moves a dash at the beginning of a solid line to the dashes before it.
 void cut_abutting(PartedSequence& parted) {
   for (std::size_t i = 0; i + 1 < parted.stretches.size(); ++i) {
     if (!parted.stretches[i].is_dashed || parted.stretches[i + 1].is_dashed) continue;
@@ -258,7 +259,7 @@ void cut_abutting(PartedSequence& parted) {
   }
 }
 
-/// The type of a stretch that is not dashed. Gaps that nobody saw do not say that it is not whole.
+/// The type of a stretch. Hidden gaps are no evidence against an unbroken line.
 MarkingType type_of(const PieceSequence& sequence, const std::vector<Gap>& gaps, const Stretch& stretch,
                     const tile::DrivenPath& path) {
   const std::vector<double> dashes = lengths_of(sequence, stretch);
@@ -289,7 +290,7 @@ MarkingType type_of(const PieceSequence& sequence, const std::vector<Gap>& gaps,
 std::vector<TypedSequence> type_sequence(const PieceSequence& sequence, const tile::DrivenPath& path,
                                          const SeenGround& is_seen) {
   PartedSequence parted{sequence, gaps_of(sequence, is_seen), {}};
-  parted.stretches = part(parted.pieces, parted.gaps);
+  parted.stretches = split_dashed(parted.pieces, parted.gaps);
   if (parted.stretches.size() > 1) {
     for (int direction = 0; direction < 2; ++direction) {
       cut_abutting(parted);

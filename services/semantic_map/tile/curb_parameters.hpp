@@ -4,27 +4,27 @@
 
 namespace curbstone::semantic_map::tile {
 
-/// One set for synthetic and real data, 16 and 64 beams, low curbs and high. Thresholds adapt to the data's noise and
-/// density where possible; these are the floors and ceilings.
+/// Parameters of ground and curbs: one set for synthetic and real data, 16 and 64 beams, low and high curbs. Thresholds
+/// adapt to the noise and density of the data where possible; these are their limits.
 struct CurbParameters {
   // Ground (section VI: stick threshold and the direction of the normal)
   double min_stick = 0.15;     ///< share of l1
-  double min_normal_z = 0.80;  ///< of e1: steeper is no ground
+  double min_normal_z = 0.80;  ///< of e1: a steeper surface is not ground
   // Tilt of the normal
   bool use_tilt = true;      ///< off: the step test alone (ablation)
   bool use_step = true;      ///< off: the tilt alone (ablation)
-  double min_tilt = 0.03;    ///< slope against the ground around
-  double tilt_sigmas = 1.5;  ///< and this many times the noise of the normals around
+  double min_tilt = 0.03;    ///< slope relative to the ground around
+  double tilt_sigmas = 1.5;  ///< and so many times the noise of the normals around
   // Two-sided height step
   double half_window = 0.36;     ///< m on each side of the step
   double half_length = 0.25;     ///< m along the curb
   double min_step = 0.038;       ///< m
   double max_step = 0.50;        ///< m; the paper: less than 0.5 m above ground
-  double step_sigmas = 4.5;      ///< the step against its own uncertainty
-  double layer_sigmas = 2.0;     ///< the step against how far scan lines disagree around
-  double clear_share = 0.4;      ///< of the step that must part the two sides' heights
-  double min_cover = 0.5;        ///< of the 3 cm bins across a side, that must hold points
-  double min_weak_step = 0.018;  ///< m, where a line goes on: dropped kerbs
+  double step_sigmas = 4.5;      ///< height in units of its own uncertainty
+  double layer_sigmas = 2.0;     ///< height in units of the disagreement of the scan lines around
+  double clear_share = 0.4;      ///< share of the step by which the two sides' heights must be separated
+  double min_cover = 0.5;        ///< share of the 3 cm bins across a side that must hold points
+  double min_weak_step = 0.018;  ///< m, where a line continues: dropped kerbs
   // Filter
   double linearity_radius = 1.0;  ///< m
   double max_linearity = 0.25;    ///< minor over major spread of the detections around
