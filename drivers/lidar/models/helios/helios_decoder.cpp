@@ -50,6 +50,17 @@ void leave_out_repeats(const decoding::BlockRecords& first, decoding::BlockRecor
   }
 }
 
+using Azimuths = std::array<std::uint16_t, kBlocksPerPacket>;
+
+/// Reads the azimuth of each firing, 0.01 deg. False if the two blocks of a firing differ.
+bool read_azimuths(const MsopPacket& msop, std::size_t blocks_a_firing, Azimuths& azimuths) {
+  for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {
+    if (b % blocks_a_firing == 1 && msop.blocks[b].azimuth != azimuths[b / 2]) return false;
+    azimuths[b / blocks_a_firing] = msop.blocks[b].azimuth;
+  }
+  return true;
+}
+
 }  // namespace
 
 HeliosDecoder::HeliosDecoder(const Variant& variant, const decoding::ReturnLimits& limits,
@@ -101,11 +112,8 @@ Refusal HeliosDecoder::decode(std::span<const std::uint8_t> bytes, decoding::Dec
   const std::size_t sequences = sixteen && !dual_return_ ? 2 : 1;
   const std::size_t firings = kBlocksPerPacket / blocks_a_firing;
   const double period = static_cast<double>(sequences) * kSequencePeriod;
-  std::array<std::uint16_t, kBlocksPerPacket> azimuths{};
-  for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {
-    if (b % blocks_a_firing == 1 && msop.blocks[b].azimuth != azimuths[b / 2]) return Refusal::kAzimuth;
-    azimuths[b / blocks_a_firing] = msop.blocks[b].azimuth;
-  }
+  Azimuths azimuths{};
+  if (!read_azimuths(msop, blocks_a_firing, azimuths)) return Refusal::kAzimuth;
   std::array<decoding::BlockSpan, kBlocksPerPacket> spans;
   const decoding::BlockSteps steps =
       decoding::block_steps(std::span(azimuths).first(firings), blind_zone_, period, spans);
@@ -114,9 +122,7 @@ Refusal HeliosDecoder::decode(std::span<const std::uint8_t> bytes, decoding::Dec
   packet.stamp = stamp_of(msop);
   if (packet.stamp) blind_zone_.next_stamp(*packet.stamp);
   if (!steps.steady) {
-    const double lasts = static_cast<double>(firings) * period * 1e6;
-    if (packet.stamp && steps.gap)
-      blind_zone_.suspect(*steps.gap, *packet.stamp, lasts, lasts + (steps.gap->width / steps.mean - 1) * period * 1e6);
+    decoding::suspect_blind_zone(steps, packet.stamp, firings, period, blind_zone_);
     return Refusal::kAzimuth;
   }
   packet.azimuth = azimuths[0];

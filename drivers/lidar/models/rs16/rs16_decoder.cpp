@@ -83,10 +83,7 @@ Refusal Rs16Decoder::decode(std::span<const std::uint8_t> bytes, decoding::Decod
   packet.stamp = robosense::utime_from(msop.time);
   if (packet.stamp) blind_zone_.next_stamp(*packet.stamp);
   if (!steps.steady) {
-    const double lasts = kBlocksPerPacket * block_period_ * 1e6;
-    if (packet.stamp && steps.gap)
-      blind_zone_.suspect(*steps.gap, *packet.stamp, lasts,
-                          lasts + (steps.gap->width / steps.mean - 1) * block_period_ * 1e6);
+    decoding::suspect_blind_zone(steps, packet.stamp, kBlocksPerPacket, block_period_, blind_zone_);
     return Refusal::kAzimuth;
   }
   packet.azimuth = azimuths[0];
