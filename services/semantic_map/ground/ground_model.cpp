@@ -14,8 +14,7 @@ namespace {
 
 constexpr int kSamplesPerSide = 3 * GroundSamples::kPerSide;  // over the 9 m
 constexpr int kRoadCells = kSamplesPerSide / 2;               // of 0.5 m
-constexpr double kNormalReach =
-    1.5;  // m: range of the normals whose median is taken; so wide that a curb is a minority
+constexpr double kNormalReach = 1.5;  // m: the median of the normals is taken so widely that a curb is a minority
 
 using SampleGrid = std::array<const GroundSample*, kSamplesPerSide * kSamplesPerSide>;
 
