@@ -37,7 +37,8 @@ Evenness evenness_of(std::span<const int> steps) {
   const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(steps.size());
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(sorted.begin(), middle, end);
-  Evenness result{.median = *middle};
+  Evenness result;
+  result.median = *middle;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     if (std::abs(steps[i] - result.median) <= tolerance(result.median)) {
       result.turned += steps[i];

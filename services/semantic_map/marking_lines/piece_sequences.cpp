@@ -9,6 +9,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "common/statistics/quantile.hpp"
 #include "common/tiles/tile.hpp"
 #include "services/semantic_map/curb_lines/joints.hpp"
 
@@ -177,10 +178,7 @@ std::vector<tile::MarkingVertex> vertices_of(const SmoothingSpline& spline,
 }  // namespace
 
 double median_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return quantile_or(std::move(values), 0.5, 0);
 }
 
 tile::MarkingVertex vertex(const Eigen::Vector2d& at, double z, bool painted) {

@@ -32,15 +32,6 @@ std::optional<std::int64_t> stamp_of(const MsopPacket& packet) {
   return static_cast<std::int64_t>(std::uint64_t{packet.seconds}) * 1'000'000 + std::uint32_t{packet.microseconds};
 }
 
-decoding::BlockRecords records_of(const MsopBlock& block) {
-  static_assert(sizeof block.records == decoding::kRecordBytes * decoding::kRecordsPerBlock);
-  decoding::BlockRecords records;
-  std::array<std::uint8_t, sizeof block.records> bytes;
-  std::memcpy(bytes.data(), block.records, sizeof bytes);
-  decoding::take_records(bytes, records);
-  return records;
-}
-
 /// Two returns: if a shot has only one, both are equal. `apart`: records from one return to the other.
 void leave_out_repeats(const decoding::BlockRecords& first, decoding::BlockRecords& other, std::size_t apart) {
   for (std::size_t i = apart; i < kRecords; ++i) {
@@ -131,7 +122,8 @@ Refusal HeliosDecoder::decode(std::span<const std::uint8_t> bytes, decoding::Dec
   decoding::PointWriter writer(rules_in(distance_step), packet);
   for (std::size_t f = 0; f < firings; ++f) {
     std::array<decoding::BlockRecords, 2> returns;
-    for (std::size_t i = 0; i < blocks_a_firing; ++i) returns[i] = records_of(msop.blocks[f * blocks_a_firing + i]);
+    for (std::size_t i = 0; i < blocks_a_firing; ++i)
+      returns[i] = decoding::records_of(msop.blocks[f * blocks_a_firing + i].records);
     if (dual_return_ && sixteen) leave_out_repeats(returns[0], returns[0], variant_.lasers);
     if (dual_return_ && !sixteen) leave_out_repeats(returns[0], returns[1], 0);
     writer.add({azimuths[f], 0.01 * spans[f].angle / period, spans[f].start},
