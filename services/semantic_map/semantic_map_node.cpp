@@ -191,7 +191,8 @@ void SemanticMapNode::send_requests(std::int64_t now) {
   if (poses.num_tiles > 0) bus_.publish("TILE_REQUEST", poses);
 }
 
-/// Not all at once: a tile that waits longer includes more messages, and a process short of CPU loses none.
+/// At most kShownAtOnce tiles, so that a process short of CPU takes its messages in between and loses none. A tile that
+/// waits longer includes more of them.
 void SemanticMapNode::show_new_points(std::int64_t now) {
   for (int i = 0; i < kShownAtOnce && show_next(now); ++i) {
   }

@@ -60,8 +60,8 @@ bool LidarClock::is_late(const lidar_points_t& packet) const {
   return packet.packet <= last_->number && back >= 0 && back < kRestartBack;
 }
 
-/// us, how the packet would be stamped in the clock of an earlier one. After a restart of the driver its numbers do not
-/// tell how long it took, and odometry does.
+/// us, the packet's stamp in the clock of an earlier one. After a restart of the driver the sequence numbers do not
+/// show the time in between; odometry does.
 std::int64_t LidarClock::expected_after(const Heard& before, const Heard& now) const {
   const std::int64_t packets = std::int64_t{now.number} - before.number;
   if (packets > 0 && packets <= kMaxLost) return before.utime + packets * interval_;

@@ -45,7 +45,7 @@ struct Crossing {
   Eigen::Vector2d along = Eigen::Vector2d::UnitX();
   Eigen::Vector2d across = Eigen::Vector2d::UnitY();
   double begin = 0, end = 0;   ///< m along, the median of its bars
-  double apart = 0;            ///< m from bar to bar; 0: no two are neighbours
+  double apart = 0;            ///< m from bar to bar; 0: no two bars are neighbours
   std::vector<double> places;  ///< m across, of each bar, sorted
 
   explicit Crossing(const std::vector<const MarkingPiece*>& bars)
@@ -59,7 +59,7 @@ struct Crossing {
       places.push_back(bar->middle().dot(across));
     }
     std::sort(places.begin(), places.end());
-    std::vector<double> gaps;  // those that lead across a missed bar are larger
+    std::vector<double> gaps;  // without those across a missed bar, which are larger
     for (std::size_t i = 1; i < places.size(); ++i) {
       const double gap = places[i] - places[i - 1];
       if (gap >= kMinBarDistance && gap <= kMaxBarDistance) gaps.push_back(gap);
@@ -76,11 +76,11 @@ struct Crossing {
     return 3 * even >= 2 * (places.size() - 1);
   }
   [[nodiscard]] bool has_pace(double gap) const { return std::abs(gap - apart) <= slack(); }
-  /// The same; also of two bars with a missed one between them.
+  /// The same, or the gap of two bars with a missed one between them.
   [[nodiscard]] bool fits(double gap) const { return has_pace(gap) || std::abs(gap - 2 * apart) <= slack(); }
   [[nodiscard]] double slack() const { return kUneven * apart; }
 
-  /// The mean distance, over missed bars, too: the median of a few gaps is off by a bar's own error.
+  /// Sets `apart` to the mean distance, also over missed bars, because the median of a few gaps has the error of a bar.
   void refine() {
     double distance = 0;
     double steps = 0;
@@ -117,7 +117,8 @@ struct Crossing {
     const double place = bar.middle().dot(across);
     places.insert(std::lower_bound(places.begin(), places.end(), place), place);
   }
-  /// Whether a piece is another part of a bar, or was linked from the bars' paint: nothing else is painted there.
+  /// Whether a piece lies among the bars. Nothing else is painted there, so it is a part of a bar, or was linked
+  /// wrongly.
   [[nodiscard]] bool holds(const MarkingPiece& piece) const {
     const auto [left, right] = std::minmax({piece.begin_at.dot(across), piece.end_at.dot(across)});
     return is_between_ends(piece, 0) && left >= places.front() - apart / 2 && right <= places.back() + apart / 2;
@@ -191,9 +192,9 @@ Crossing crossing_of(const std::vector<std::size_t>& members, const std::vector<
   return Crossing(bars);
 }
 
-/// Joins a bar, or a group of bars at the same pace, to the group of `first` that goes on there beyond a missed bar.
-/// The pace is that of the group's neighbours, so bars that all stand twice as far apart are not joined: dashes of
-/// lanes do.
+/// Joins a bar, or a group of bars at the same distances, to the group of `first`, if it continues that group beyond a
+/// missed bar. The distance is that of neighbours within the group, so bars that all are twice as far apart are not
+/// joined: the dashes of two lanes look like that.
 bool join_across_missed(std::size_t first, const std::vector<std::size_t>& bars,
                         const std::vector<MarkingPiece>& pieces, Groups& groups) {
   const std::vector<std::size_t> members = groups.of(first, bars);
@@ -254,8 +255,8 @@ std::optional<double> passes_at(const MarkingPiece& piece, const Crossing& cross
   return std::nullopt;
 }
 
-/// Parts the bars that were missed from the lines that they were linked to: those run on between two bars, where
-/// nothing else is painted.
+/// Cuts missed bars off the lines to which they were linked: such a line continues between two bars, where nothing else
+/// is painted.
 void cut_out_bars(const Crossing& crossing, double bar_width, std::vector<MarkingPiece>& pieces,
                   std::vector<bool>& taken) {
   for (std::size_t i = 0; i < pieces.size(); ++i) {

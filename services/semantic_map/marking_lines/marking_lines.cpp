@@ -16,7 +16,7 @@ namespace curbstone::semantic_map::marking_lines {
 namespace {
 
 constexpr double kMinLoneLength = 0.8;  // m
-constexpr double kSameLine = 0.3;       // m: what a line of before is found by
+constexpr double kSameLine = 0.3;       // m, largest distance from the earlier line
 
 TileKey place_of(const tile::MarkingVertex& v) {
   return {static_cast<std::int32_t>(std::floor(double{v.x} / kSameLine)),
