@@ -32,21 +32,24 @@ struct CurbParameters {
   double line_sigmas = 7.0;       ///< certainty of the steps along a line, times the root of its length in m
 
   void visit(ConfigVisitor& v) {
-    v.field("min_stick", min_stick, {0, 1}, "share of l1, for a point to be of the ground");
+    v.field("min_stick", min_stick, {0, 1}, "share of l1 that a point needs to be ground");
     v.field("min_normal_z", min_normal_z, {0, 1}, "|z| of the normal, for a point to be of the ground");
-    v.field("use_tilt", use_tilt, "ask for a tilted normal at a curb (off: the step test alone)");
-    v.field("use_step", use_step, "ask for a height step at a curb (off: the tilt alone)");
-    v.field("min_tilt", min_tilt, {0, 1}, "slope of the normal against the ground around, at least");
+    v.field("use_tilt", use_tilt, "search steps only where normals tilt (off: everywhere near the ground)");
+    v.field("use_step", use_step, "require a height step (off: the tilt alone)");
+    v.field("min_tilt", min_tilt, {0, 1}, "slope of the surface relative to the ground around, at least");
     v.field("tilt_sigmas", tilt_sigmas, {0, 100}, "... and in units of the noise of the normals around");
     v.field("half_window", half_window, {0.1, 1.0}, "m, on each side of the step");
     v.field("half_length", half_length, {0.05, 1.0}, "m, along the curb");
     v.field("min_step", min_step, {0.005, 0.5}, "m, height of a curb");
     v.field("max_step", max_step, {0.05, 1.0}, "m, height of a curb");
-    v.field("step_sigmas", step_sigmas, {0, 100}, "the step in units of its own uncertainty, at least");
-    v.field("layer_sigmas", layer_sigmas, {0, 100}, "the step against how far scan lines disagree around, at least");
-    v.field("clear_share", clear_share, {-10, 1}, "of the step that must part the two sides' heights");
+    v.field("step_sigmas", step_sigmas, {0, 100}, "height in units of its own uncertainty, at least");
+    v.field("layer_sigmas", layer_sigmas, {0, 100},
+            "height in units of the disagreement of the scan lines around, at least");
+    v.field("clear_share", clear_share, {-10, 1},
+            "share of the step by which the heights of its two sides must be separated");
     v.field("min_cover", min_cover, {0, 1}, "share of the 3 cm bins across a side that must hold points");
-    v.field("min_weak_step", min_weak_step, {0.005, 0.5}, "m, where a curb line goes on (dropped kerbs)");
+    v.field("min_weak_step", min_weak_step, {0.005, 0.5},
+            "m, height of a step that continues a curb line (dropped kerbs)");
     v.field("linearity_radius", linearity_radius, {0.2, 2.0}, "m, around a detection");
     v.field("max_linearity", max_linearity, {0, 1}, "minor over major spread of the detections around");
     v.field("line_sigmas", line_sigmas, {0, 1000}, "certainty of the steps along a line, times the root of its length");
