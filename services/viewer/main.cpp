@@ -35,8 +35,7 @@ class Viewer final : public Node {
   [[nodiscard]] NodeReport report() const override {
     NodeReport report = node_.report();
     if (!foxglove_) return report;
-    const Counters of_door = foxglove_->report().counters;
-    for (const auto& [name, value] : of_door.values()) report.counters.add(name, value);
+    report.counters.add(foxglove_->report().counters);
     return report;
   }
 
