@@ -157,6 +157,7 @@ bool SemanticMapNode::idle(std::int64_t now) {
 
 void SemanticMapNode::tick(std::int64_t now) {
   now_ = now;
+  pipeline_.set_time(now);
   show_new_points(now);
   if (!idles_) publish_changed(work_on_all(now), now);
   std::erase_if(unsent_, [&](TileKey key) { return publish_if_due(key, now); });

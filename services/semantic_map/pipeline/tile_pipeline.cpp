@@ -105,7 +105,7 @@ void TilePipeline::set_voted(tile::VotedTile voted, bool has_grown) {
 }
 
 void TilePipeline::voted_changed(TileKey key, Tile& tile, bool is_new, bool has_grown) {
-  uses_.used(key, ++num_voted_);
+  uses_.used(key, now_);
   if (!has_grown) accumulators_.erase(key);
   if (is_new) {
     note_change(key, tile);

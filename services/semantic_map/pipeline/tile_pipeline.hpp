@@ -36,8 +36,8 @@ namespace curbstone::semantic_map::pipeline {
 /// settled, the map is a function of the voted points alone: it depends neither on their order nor on the order of
 /// work.
 ///
-/// A tile sleeps (layers::SleepingLayers), in a file if there is one, once kAwake voted steps have arrived since a step
-/// read it. A step wakes the tiles that it reads. A tile that was woken for kOldestStep alone sleeps again after
+/// A tile sleeps (layers::SleepingLayers), in a file if there is one, if no step has read it for kAwake (see
+/// set_time()). A step wakes the tiles that it reads. A tile that was woken for kOldestStep alone sleeps again after
 /// kAwakeForOldStep.
 class TilePipeline {
  public:
@@ -52,6 +52,8 @@ class TilePipeline {
   void set_voted(tile::VotedTile voted, bool has_grown = false);
   /// Discards everything: another epoch begins.
   void clear();
+  /// The time by which tiles fall asleep, us, of any clock. If it is never set, no tile sleeps.
+  void set_time(std::int64_t now) { now_ = now; }
 
   /// Does one piece of work; none for a tile without voted points.
   WorkResult run(const TileWork& work);
@@ -75,8 +77,8 @@ class TilePipeline {
   [[nodiscard]] std::size_t num_asleep() const { return tiles_.size() - uses_.size() - visits_.size(); }
   /// Tiles whose layers could not be read back from the file since the last call: they must be sent again as a whole.
   [[nodiscard]] std::vector<TileKey> take_lost() { return std::exchange(lost_, {}); }
-  static constexpr std::int64_t kAwake = 20'000;           ///< voted steps: about ten seconds of a drive
-  static constexpr std::int64_t kAwakeForOldStep = 3'000;  ///< voted steps
+  static constexpr std::int64_t kAwake = 10'000'000;           ///< us
+  static constexpr std::int64_t kAwakeForOldStep = 1'500'000;  ///< us
   /// Number of stale steps, of all tiles.
   [[nodiscard]] std::size_t num_stale() const;
   /// How often the curb evidence of a tile has been computed.
@@ -158,10 +160,10 @@ class TilePipeline {
   };
   std::unordered_map<TileKey, GroundedAccumulator, TileKeyHash> accumulators_;
   cells::VehicleCache vehicles_;   ///< for tiles that are computed one by one
-  LruOrder uses_;                  ///< of the tiles that are awake, by num_voted_
+  LruOrder uses_;                  ///< of the tiles that are awake, by now_
   LruOrder visits_;                ///< likewise, of tiles that were woken for kOldestStep alone
   bool does_old_step_ = false;     ///< the present work is kOldestStep
-  std::int64_t num_voted_ = 0;     ///< voted steps received
+  std::int64_t now_ = 0;           ///< us
   std::vector<TileKey> awakened_;  ///< by the present work
   std::vector<TileKey> lost_;
   std::shared_ptr<SpillFile> spill_file_;  ///< layers of sleeping tiles

@@ -11,9 +11,9 @@ void TilePipeline::wake(TileKey key, Tile& tile) {
     if (!tile.layers.wake()) lost_.push_back(key);
     awakened_.push_back(key);
   }
-  if (does_old_step_ && (slept || visits_.contains(key))) return visits_.used(key, num_voted_);
+  if (does_old_step_ && (slept || visits_.contains(key))) return visits_.used(key, now_);
   visits_.erase(key);
-  uses_.used(key, num_voted_);
+  uses_.used(key, now_);
 }
 
 void TilePipeline::sleep(TileKey key) {
@@ -25,8 +25,8 @@ void TilePipeline::sleep(TileKey key) {
 
 /// At most one tile of each kind in a call, so that no message waits for many tiles to be packed.
 void TilePipeline::let_sleep() {
-  if (const auto unused = uses_.take_unused(num_voted_ - kAwake)) sleep(*unused);
-  if (const auto unused = visits_.take_unused(num_voted_ - kAwakeForOldStep)) sleep(*unused);
+  if (const auto unused = uses_.take_unused(kAwake, now_)) sleep(*unused);
+  if (const auto unused = visits_.take_unused(kAwakeForOldStep, now_)) sleep(*unused);
 }
 
 }  // namespace curbstone::semantic_map::pipeline
