@@ -18,8 +18,16 @@ class Counters {
     else
       it->second += amount;
   }
+  /// Adds all counts of another set to those of the same name.
+  void add(const Counters& other) {
+    for (const auto& [name, value] : other.values_) add(name, value);
+  }
   /// Sets a count that is kept elsewhere, such as the kernel's drops, or a level.
   void set(std::string_view name, std::int64_t value) { values_.insert_or_assign(std::string(name), value); }
+  /// Sets the counts of another set here too, in place of those of the same name.
+  void set(const Counters& other) {
+    for (const auto& [name, value] : other.values_) set(name, value);
+  }
   /// The value of a count; 0 for a name that was never counted.
   [[nodiscard]] std::int64_t operator[](std::string_view name) const {
     const auto it = values_.find(name);

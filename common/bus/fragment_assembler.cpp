@@ -8,7 +8,7 @@ namespace curbstone {
 
 namespace {
 
-constexpr std::size_t kLongestName = 63;  // bytes
+constexpr std::size_t kMaxChannelName = 63;  // bytes
 
 }  // namespace
 
@@ -42,7 +42,7 @@ std::optional<FragmentAssembler::Fragment> FragmentAssembler::read(std::span<con
   if (fragment.number == 0) {
     const auto end = std::find(fragment.bytes.begin(), fragment.bytes.end(), 0);
     const auto length = static_cast<std::size_t>(end - fragment.bytes.begin());
-    if (end == fragment.bytes.end() || length == 0 || length > kLongestName || fragment.offset != 0)
+    if (end == fragment.bytes.end() || length == 0 || length > kMaxChannelName || fragment.offset != 0)
       return std::nullopt;
     fragment.channel.assign(fragment.bytes.begin(), end);
     fragment.bytes = fragment.bytes.subspan(length + 1);

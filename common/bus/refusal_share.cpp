@@ -31,7 +31,7 @@ void RefusalShare::tick(std::int64_t now) {
 void RefusalShare::close() {
   const std::int64_t all = used_ + refused_;
   fault_.reset();
-  if (all >= kFewest && static_cast<double>(refused_) > kShare * static_cast<double>(all)) {
+  if (all >= kMinRefusals && static_cast<double>(refused_) > kShare * static_cast<double>(all)) {
     const auto commonest = std::ranges::max_element(causes_, {}, [](const auto& cause) { return cause.second; });
     fault_ = fmt::format("{} % of the packets of a second were refused, most of them {} ({} of {})",
                          100 * refused_ / all, commonest->first, commonest->second, all);

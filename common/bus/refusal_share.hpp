@@ -16,7 +16,7 @@ class RefusalShare {
   static constexpr double kShare = 0.05;
   static constexpr std::int64_t kWindow = 1'000'000;  ///< us
   /// A second with fewer packets than this is not evaluated: a silent line has a fault of its own.
-  static constexpr std::int64_t kFewest = 10;
+  static constexpr std::int64_t kMinRefusals = 10;
 
   void used(std::int64_t now);
   /// `cause`: the name of the counter, "refused.checksum".

@@ -12,7 +12,7 @@ namespace {
 constexpr std::int64_t kSecond = 1'000'000;
 constexpr double kMaxJitter = 100'000;  // us, of stamps: a serial adapter's timer, one stamp for a revolution
 
-/// The numbers go on at 0 after 2^31 - 1.
+/// The numbers continue at 0 after 2^31 - 1.
 std::int64_t step_between(std::int32_t before, std::int32_t number) {
   const auto difference = (static_cast<std::uint32_t>(number) - static_cast<std::uint32_t>(before)) & 0x7FFFFFFFU;
   return difference < 0x40000000U ? std::int64_t{difference} : std::int64_t{difference} - 0x80000000LL;
@@ -53,7 +53,7 @@ bool SingleSender::has_gone(std::int64_t utime) const {
 
 void SingleSender::take(std::int64_t utime, std::int32_t number) {
   if (refused_ > 0) {
-    others_ = has_passed(kSecond, other_, utime) ? refused_ : std::min(others_ + refused_, kFewest);
+    others_ = has_passed(kSecond, other_, utime) ? refused_ : std::min(others_ + refused_, kMinMessages);
     other_ = utime;
     refused_ = 0;
   } else if (others_ > 0 && has_passed(kSecond, other_, utime)) {

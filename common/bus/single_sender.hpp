@@ -27,15 +27,15 @@ class SingleSender {
 
   /// Returns whether the message is to be used.
   [[nodiscard]] bool accept(std::int64_t utime, std::int32_t number);
-  /// Another sender's messages alternate with those of the one in use, kFewest or more in the last second.
-  [[nodiscard]] bool two_send() const { return others_ >= kFewest; }
+  /// Another sender's messages alternate with those of the one in use, kMinMessages or more in the last second.
+  [[nodiscard]] bool two_send() const { return others_ >= kMinMessages; }
 
  private:
   struct Last {
     std::int64_t utime;
     std::int32_t number;
   };
-  static constexpr int kFewest = 3;  // messages: one stray message is no second sender
+  static constexpr int kMinMessages = 3;  // messages: one stray message is no second sender
 
   [[nodiscard]] bool is_own(std::int64_t utime, std::int32_t number) const;
   [[nodiscard]] bool has_gone(std::int64_t utime) const;

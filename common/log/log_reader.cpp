@@ -12,7 +12,7 @@ namespace curbstone {
 namespace {
 
 /// us. A damaged time may be any number. Times are clamped to this, so that the difference of two does not overflow.
-constexpr std::int64_t kFarthest = std::numeric_limits<std::int64_t>::max() / 4;
+constexpr std::int64_t kMaxTime = std::numeric_limits<std::int64_t>::max() / 4;
 
 }  // namespace
 
@@ -30,7 +30,7 @@ std::optional<LogEvent> LogReader::next() {
   previous_ = record;
   at_ = record->end();
   return LogEvent{
-      std::clamp(record->utime, -kFarthest, kFarthest), {channel.begin(), channel.end()}, {data.begin(), data.end()}};
+      std::clamp(record->utime, -kMaxTime, kMaxTime), {channel.begin(), channel.end()}, {data.begin(), data.end()}};
 }
 
 std::optional<LogRecord> LogReader::next_record() {

@@ -21,10 +21,14 @@ void MessageOrder::push(LogEvent event) {
   waiting_.push({key, sequence_++, elapsed_, std::move(event)});
 }
 
-std::optional<LogEvent> MessageOrder::pop(bool drain) {
+std::optional<LogEvent> MessageOrder::pop() {
   if (waiting_.empty()) return std::nullopt;
   const bool may_be_preceded = waiting_.top().elapsed + window_us_ > elapsed_ && waiting_.size() <= kMaxWaiting;
-  if (!drain && may_be_preceded) return std::nullopt;
+  return may_be_preceded ? std::nullopt : pop_rest();
+}
+
+std::optional<LogEvent> MessageOrder::pop_rest() {
+  if (waiting_.empty()) return std::nullopt;
   LogEvent event = waiting_.top().event;
   time_ = waiting_.top().key;
   waiting_.pop();

@@ -41,9 +41,11 @@ class MessageOrder {
   explicit MessageOrder(std::int64_t window_us = 200'000) : window_us_(window_us) {}
 
   void push(LogEvent event);
-  /// The next event that no later event of the log can precede. With `drain`, the next remaining event.
-  [[nodiscard]] std::optional<LogEvent> pop(bool drain);
-  /// us: the message time of the last event that pop() returned, without the steps of its channel's clock.
+  /// The next event, if no later event of the log can precede it.
+  [[nodiscard]] std::optional<LogEvent> pop();
+  /// The next event, at the end of the log.
+  [[nodiscard]] std::optional<LogEvent> pop_rest();
+  /// us: the message time of the last event that was popped, without the steps of its channel's clock.
   [[nodiscard]] std::int64_t time() const { return time_; }
 
  private:

@@ -10,8 +10,8 @@ namespace curbstone {
 namespace {
 
 constexpr std::array<std::uint8_t, 4> kSync = {0xED, 0xA1, 0xDA, 0x01};
-constexpr std::int64_t kLongestChannel = 255;   // LCM's names have at most 63
-constexpr std::int64_t kLongestData = 1 << 28;  // as in LCM
+constexpr std::int64_t kMaxChannelSize = 255;   // LCM's names have at most 63
+constexpr std::int64_t kMaxDataSize = 1 << 28;  // as in LCM
 constexpr std::size_t kReadAhead = 1 << 18;
 
 bool is_sync(std::span<const std::uint8_t> bytes) {
@@ -30,8 +30,8 @@ std::optional<LogRecord> RecordFinder::header_at(std::int64_t at, bool any_sync)
     return static_cast<std::int32_t>(read_big_endian<std::uint32_t>(bytes.subspan(i)));
   };
   const LogRecord record{at, int64_at(4), int64_at(12), int32_at(20), int32_at(24)};
-  if (record.channel_size < 1 || record.channel_size > kLongestChannel) return std::nullopt;
-  if (record.data_size < 0 || record.data_size > kLongestData) return std::nullopt;
+  if (record.channel_size < 1 || record.channel_size > kMaxChannelSize) return std::nullopt;
+  if (record.data_size < 0 || record.data_size > kMaxDataSize) return std::nullopt;
   const auto channel = file_.at(at + LogRecord::kHeader, static_cast<std::size_t>(record.channel_size));
   if (!std::all_of(channel.begin(), channel.end(), [](std::uint8_t c) { return c > ' ' && c < 0x7F; }))
     return std::nullopt;

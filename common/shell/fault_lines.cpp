@@ -45,12 +45,12 @@ std::vector<std::string> FaultLines::update(const std::vector<std::string>& faul
       lines.push_back(fault.text);
       fault.written = true;
       fault.due = now + fault.pause;
-      fault.pause = std::min(2 * fault.pause, kLongestPause);
+      fault.pause = std::min(2 * fault.pause, kMaxPause);
     }
     if (!holds && fault.written) lines.push_back("over: " + fault.text);
     if (!holds) fault.written = false, fault.since = 0;
   }
-  std::erase_if(known_, [now](const auto& entry) { return now - entry.second.held_at > kLongestPause; });
+  std::erase_if(known_, [now](const auto& entry) { return now - entry.second.held_at > kMaxPause; });
   return lines;
 }
 

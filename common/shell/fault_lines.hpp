@@ -15,10 +15,10 @@ namespace curbstone {
 /// is written less and less often: at most every 10 s, then every 20 s, up to 10 minutes.
 class FaultLines {
  public:
-  static constexpr std::int64_t kStays = 2'000'000;           ///< us; a shorter fault, as at a start, is not written
-  static constexpr std::int64_t kFirstPause = 10'000'000;     ///< us
-  static constexpr std::int64_t kLongestPause = 600'000'000;  ///< us; a fault that was absent this long is a new one
-  static constexpr std::size_t kMaxFaults = 64;               ///< remembered; further ones are not written
+  static constexpr std::int64_t kStays = 2'000'000;        ///< us; a shorter fault, as at a start, is not written
+  static constexpr std::int64_t kFirstPause = 10'000'000;  ///< us
+  static constexpr std::int64_t kMaxPause = 600'000'000;   ///< us; a fault that was absent this long is a new one
+  static constexpr std::size_t kMaxFaults = 64;            ///< remembered; further ones are not written
 
   /// `faults`: all present faults. `now`: us of a steady clock. Returns the lines to write, without line ends. Call it
   /// about once a second.

@@ -11,8 +11,8 @@ namespace curbstone {
 
 namespace quantile_detail {
 
-/// Moves the values of which less(value, pivot) before the others; returns how many they are. Without branches: which
-/// way a value goes is not to be foreseen.
+/// Moves the values for which less(value, pivot) is true before the others, and returns their number. Without branches,
+/// because they would be mispredicted.
 template <class Less>
 std::size_t partition_by(std::span<double> values, double pivot, Less less) {
   std::size_t before = 0;
@@ -25,10 +25,10 @@ std::size_t partition_by(std::span<double> values, double pivot, Less less) {
   return before;
 }
 
-/// The value that would be at `rank` if they were sorted. As std::nth_element(), which branches at each value.
+/// The value that would be at `rank` if the values were sorted. Faster than std::nth_element(), which branches at each.
 inline double select_in_place(std::span<double> values, std::size_t rank) {
   constexpr std::size_t kFew = 12;
-  constexpr int kRounds = 40;  // of what rarely takes ten: pivots may be bad
+  constexpr int kRounds = 40;  // rarely ten are needed, but pivots may be bad
   for (int round = 0; round < kRounds && values.size() > kFew; ++round) {
     const double a = values.front();
     const double b = values[values.size() / 2];

@@ -9,8 +9,8 @@
 
 namespace curbstone {
 
-/// Tiles in the order of their last use. Times in any unit, as long as they grow; of several uses at the same time only
-/// the first counts.
+/// Tiles in the order of their last use. Times in us, of a clock that somebody may set; of several uses at the same
+/// time only the first counts.
 class LruOrder {
  public:
   void used(TileKey key, std::int64_t now) {
@@ -20,11 +20,13 @@ class LruOrder {
     turn = {++turn_, now};
     uses_.emplace_hint(uses_.end(), turn.number, key);
   }
-  /// Takes the least recently used tile out of the order, if its last use was before `since`.
-  std::optional<TileKey> take_unused(std::int64_t since) {
+  /// Takes the least recently used tile out of the order, if it has not been used for `period`, or since the clock was
+  /// set back.
+  std::optional<TileKey> take_unused(std::int64_t period, std::int64_t now) {
     if (uses_.empty()) return std::nullopt;
     const TileKey key = uses_.begin()->second;
-    if (turns_.at(key).at >= since) return std::nullopt;
+    const std::int64_t at = turns_.at(key).at;
+    if (now >= at && now - at < period) return std::nullopt;
     erase(key);
     return key;
   }

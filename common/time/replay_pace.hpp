@@ -6,11 +6,11 @@
 namespace curbstone {
 
 /// Paces the items of a recording so that they are spaced as they were recorded. A step of the recorded times that is
-/// longer than kLongest, or that leads back, is a damaged time, a clock that was set, or a pause, and is skipped
+/// longer than kMaxStep, or that leads back, is a damaged time, a clock that was set, or a pause, and is skipped
 /// without waiting. All times in us.
 class ReplayPace {
  public:
-  static constexpr std::int64_t kLongest = 10'000'000;
+  static constexpr std::int64_t kMaxStep = 10'000'000;
 
   /// `rate` times as fast as recorded; 0: without pacing.
   explicit ReplayPace(double rate) : rate_(rate) {}
@@ -20,7 +20,7 @@ class ReplayPace {
     if (!began_) began_ = now;
     if (asked_ != recorded) {
       const std::int64_t step = recorded - asked_.value_or(recorded);
-      if (step > 0 && step <= kLongest) at_ += step;
+      if (step > 0 && step <= kMaxStep) at_ += step;
       asked_ = recorded;
     }
     return rate_ <= 0 || static_cast<double>(at_) <= static_cast<double>(now - *began_) * rate_;

@@ -309,9 +309,8 @@ NodeReport EncoderNode::report() const {
   const Counters drive = drive_.counters();
   const Counters none;
   const Counters& signals = signals_ ? signals_->counters() : none;
-  for (const Counters* more : {&drive, &odometer_.counters(), &speedometer_.counters(), &signals}) {
-    for (const auto& [name, value] : more->values()) report.counters.add(name, value);
-  }
+  for (const Counters* more : {&drive, &odometer_.counters(), &speedometer_.counters(), &signals})
+    report.counters.add(*more);
   output_.report(report);
 
   if (!link_fault_.empty()) report.faults.push_back(link_fault_);

@@ -103,7 +103,7 @@ void ModbusNode::add_faults_of_drive(NodeReport& report) const {
 NodeReport ModbusNode::report() const {
   NodeReport report;
   report.counters = counters_;
-  for (const auto& [name, value] : odometer_.counters().values()) report.counters.add(name, value);
+  report.counters.add(odometer_.counters());
   output_.report(report);
   if (reading_.time != 0) {
     set_level(report.counters, "modbus.round_trip_us", std::llround(round_trips_.percentile(0.5)));

@@ -42,7 +42,7 @@ void WheelsOutput::restart(std::int64_t utime) {
 }
 
 void WheelsOutput::report(NodeReport& report) const {
-  for (const auto& [name, value] : counters_.values()) report.counters.add(name, value);
+  report.counters.add(counters_);
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
   if (const auto difference = arrival_.difference()) set_level(report.counters, "clock.difference_us", *difference);

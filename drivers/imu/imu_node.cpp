@@ -236,8 +236,7 @@ void ImuNode::report_samples(std::vector<std::string>& faults) const {
 NodeReport ImuNode::report() const {
   NodeReport report;
   report.counters = counters_;
-  const Counters device_counters = device_->counters();
-  for (const auto& [name, value] : device_counters.values()) report.counters.add(name, value);
+  report.counters.add(device_->counters());
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
 

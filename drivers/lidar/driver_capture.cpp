@@ -65,8 +65,8 @@ std::optional<DriverCapture::Packet> DriverCapture::next_in_file() {
 
 void DriverCapture::restart_file() {
   const std::int64_t length = last_ - first_;
-  constexpr std::int64_t kShortest = 1000;  // us, for a file with one packet
-  shift_ += std::max(kShortest, length + (count_ > 1 ? length / (count_ - 1) : 0));
+  constexpr std::int64_t kMinLength = 1000;  // us, for a file with one packet
+  shift_ += std::max(kMinLength, length + (count_ > 1 ? length / (count_ - 1) : 0));
   ++repeats_;
   before_.fragments += source_->skipped().fragments;
   before_.cut += source_->skipped().cut;

@@ -78,7 +78,7 @@ struct LidarConfig {
     v.field("receive_buffer", receive_buffer, {65536, 1 << 28}, "bytes; capped by net.core.rmem_max");
     v.field("pcap", pcap, "read this capture instead of the network; empty = network");
     v.field("pcap_rate", pcap_rate, {0.01, 100.0}, "speed of the capture, times real time");
-    v.field("pcap_repeat", pcap_repeat, "begin the capture anew at its end, with times that go on");
+    v.field("pcap_repeat", pcap_repeat, "restart the capture at its end, with continuing times");
     using enum decoding::ClockMode;
     v.choice("clock", clock, {{"auto", kAuto}, {"device", kDevice}, {"host", kHost}},
              "time of the points: the device's (set by GPS), the host's, or the device's where it agrees with a "
@@ -97,7 +97,7 @@ struct LidarConfig {
     v.field("min_range", min_range, {0.0, 300.0}, "m; nearer returns are left out");
     v.field("max_range", max_range, {0.1, 400.0}, "m; farther returns are left out");
     v.field("start_angle", start_angle, {0.0, 360.0}, "deg, clockwise from x: returns from here ...");
-    v.field("end_angle", end_angle, {0.0, 360.0}, "... to before here go out, through 0 where it is the smaller");
+    v.field("end_angle", end_angle, {0.0, 360.0}, "... to here are published, through 0 if this is the smaller angle");
     v.field("angles_file", angles_file,
             "CSV with a line a laser in firing order: elevation[,azimuth] in deg; empty = the device's own");
     v.field("wait_for_difop", wait_for_difop, "no points before the device has sent its angles");

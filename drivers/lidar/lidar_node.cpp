@@ -21,7 +21,7 @@ using decoding::Refusal;
 namespace {
 
 constexpr std::size_t kLatencies = 750;          // one second of packets
-constexpr std::size_t kLongestRaw = 2500;        // bytes
+constexpr std::size_t kMaxRawSize = 2500;        // bytes
 constexpr std::int64_t kSecond = 1'000'000;      // us
 constexpr double kTaiMinusUtcFrom = 36.0;        // s: 37 at present
 constexpr double kTaiMinusUtcTo = 38.0;          // s
@@ -211,7 +211,7 @@ std::int32_t LidarNode::scan_of_count() {
 }
 
 void LidarNode::publish_raw(std::int64_t received, int port, std::span<const std::uint8_t> bytes) {
-  if (bytes.size() > kLongestRaw) return counters_.add("dropped.raw_too_long");
+  if (bytes.size() > kMaxRawSize) return counters_.add("dropped.raw_too_long");
   raw_packet_t raw;
   raw.utime = received;
   raw.port = port;
@@ -261,37 +261,15 @@ void LidarNode::finish() {
 
 NodeReport LidarNode::report() const {
   NodeReport report;
-  report.counters = counters_;
-  report.counters.set("revolutions", message_.packet < 0 ? 0 : message_.revolution + 1);
-  report.counters.set("lost.packets", lost_.total());
-  if (sent_.resent() > 0) report.counters.set("resent.packets", sent_.resent());
-  set_level(report.counters, "clock.device", clock_.uses_device() ? 1 : 0);
-  report.counters.set("clock.switches", clock_.switches());
-  report.counters.set("clock.jumps", order_.jumps());
-  if (const auto difference = clock_.difference()) set_level(report.counters, "clock.difference_us", *difference);
-  if (host_is_synchronised_) set_level(report.counters, "clock.host_synchronised", *host_is_synchronised_ ? 1 : 0);
-  const bool tells = model_ && !health_.info_is_old();  // of the device as it is now
-  if (tells) {
-    for (const auto& [name, value] : model_->facts().values.values()) report.counters.set(name, value);
+  add_counters(report.counters);
+  for (const std::string* fault : {&source_fault_, &sender_fault_, &buffer_fault_}) {
+    if (!fault->empty()) report.faults.push_back(*fault);
   }
-
-  if (!source_fault_.empty()) report.faults.push_back(source_fault_);
-  if (!sender_fault_.empty()) report.faults.push_back(sender_fault_);
-  if (!buffer_fault_.empty()) report.faults.push_back(buffer_fault_);
   for (std::string& fault : health_.faults(model_.get())) report.faults.push_back(std::move(fault));
   if (share_.fault()) report.faults.push_back(*share_.fault());
-  if (lost_in_second_ > config_.most_lost)
-    report.faults.push_back(
-        fmt::format("{} packets were lost in a second: dropped.socket says how many of them this host lost, the rest "
-                    "the network",
-                    lost_in_second_));
-  if (const std::vector<int> silent = lasers_.silent(); !silent.empty())
-    report.faults.push_back(
-        fmt::format("nothing comes back from laser {} any more (0: the lowest), although it does from those above and "
-                    "below: clean the window, else have it repaired",
-                    fmt::join(silent, ", ")));
+  add_loss_faults(report.faults);
   add_clock_faults(report.faults);
-  if (tells) {
+  if (has_recent_info()) {
     for (const std::string& fault : model_->facts().faults) report.faults.push_back(fault);
   } else if (!model_ && report.counters["undecided"] > 0) {
     report.faults.push_back(
@@ -300,6 +278,33 @@ NodeReport LidarNode::report() const {
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
   return report;
+}
+
+void LidarNode::add_counters(Counters& counters) const {
+  counters.add(counters_);
+  counters.set("revolutions", message_.packet < 0 ? 0 : message_.revolution + 1);
+  counters.set("lost.packets", lost_.total());
+  if (sent_.resent() > 0) counters.set("resent.packets", sent_.resent());
+  set_level(counters, "clock.device", clock_.uses_device() ? 1 : 0);
+  counters.set("clock.switches", clock_.switches());
+  counters.set("clock.jumps", order_.jumps());
+  if (const auto difference = clock_.difference()) set_level(counters, "clock.difference_us", *difference);
+  if (host_is_synchronised_) set_level(counters, "clock.host_synchronised", *host_is_synchronised_ ? 1 : 0);
+  if (has_recent_info()) counters.set(model_->facts().values);
+}
+
+/// Faults of packets that were lost, and of lasers that return nothing.
+void LidarNode::add_loss_faults(std::vector<std::string>& faults) const {
+  if (lost_in_second_ > config_.most_lost)
+    faults.push_back(
+        fmt::format("{} packets were lost in a second: dropped.socket says how many of them this host lost, the rest "
+                    "the network",
+                    lost_in_second_));
+  if (const std::vector<int> silent = lasers_.silent(); !silent.empty())
+    faults.push_back(
+        fmt::format("nothing comes back from laser {} any more (0: the lowest), although it does from those above and "
+                    "below: clean the window, else have it repaired",
+                    fmt::join(silent, ", ")));
 }
 
 void LidarNode::add_clock_faults(std::vector<std::string>& faults) const {

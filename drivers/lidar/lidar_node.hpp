@@ -85,6 +85,10 @@ class LidarNode final : public Node {
   void send(decoding::PendingPacket& packet);
   [[nodiscard]] std::int32_t scan_of_count();
   void publish_raw(std::int64_t received, int port, std::span<const std::uint8_t> bytes);
+  /// The device's own report of itself is known and not out of date.
+  [[nodiscard]] bool has_recent_info() const { return model_ && !health_.info_is_old(); }
+  void add_counters(Counters& counters) const;
+  void add_loss_faults(std::vector<std::string>& faults) const;
   void add_clock_faults(std::vector<std::string>& faults) const;
 
   LidarConfig config_;
@@ -110,7 +114,7 @@ class LidarNode final : public Node {
   std::optional<bool> host_is_synchronised_;
   std::int64_t now_ = 0;  ///< us, of the last tick
   std::int64_t second_began_ = 0;
-  std::int64_t lost_on_the_way_ = 0;  // at the last look
+  std::int64_t lost_on_the_way_ = 0;  // packets, when last counted
   std::int64_t lost_in_second_ = 0;
   int in_scan_ = 0;  ///< packets of the current revolution so far, with split_packets
   bool came_since_tick_ = false;

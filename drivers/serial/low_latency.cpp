@@ -10,7 +10,7 @@ namespace curbstone::serial {
 
 namespace {
 
-constexpr int kShortest = 1;  // ms
+constexpr int kMinLatency = 1;  // ms
 
 bool set_flag(int fd) {
   serial_struct port{};
@@ -36,8 +36,8 @@ LowLatency request_low_latency(int fd, const std::string& device, const std::fil
   if (error) return result;
   const auto file = sys / "bus/usb-serial/devices" / port.filename() / "latency_timer";
   result.timer_ms = read_timer(file);
-  if (result.timer_ms.value_or(kShortest) <= kShortest) return result;
-  if (std::ofstream out(file); out) out << kShortest;
+  if (result.timer_ms.value_or(kMinLatency) <= kMinLatency) return result;
+  if (std::ofstream out(file); out) out << kMinLatency;
   result.timer_ms = read_timer(file);
   return result;
 }

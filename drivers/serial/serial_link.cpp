@@ -104,7 +104,7 @@ void SerialLink::on_writable() {
 }
 
 void SerialLink::report(NodeReport& report) const {
-  for (const auto& [name, value] : counters_.values()) report.counters.add(name, value);
+  report.counters.add(counters_);
   if (!port_ || port_->baud() == 0) return;
   if (std::abs(port_->baud() - settings_.baud) > kBaudError * settings_.baud) {
     report.faults.push_back(fmt::format("serial port {} runs at {} baud: its driver cannot do {}", settings_.device,

@@ -13,9 +13,9 @@ namespace curbstone::procman::output {
 /// and the next one that is written is preceded by their number.
 class Console {
  public:
-  static constexpr std::size_t kMost = 1 << 20;  ///< bytes that wait
+  static constexpr std::size_t kMaxWaiting = 1 << 20;  ///< bytes that wait
 
-  explicit Console(int fd, std::size_t most = kMost);
+  explicit Console(int fd, std::size_t most = kMaxWaiting);
   /// Waits a second at most for what is not written yet; the thread is left behind if it is blocked still.
   ~Console();
   Console(const Console&) = delete;

@@ -94,8 +94,8 @@ class SpawnSettings {
   posix_spawnattr_t attributes{};
 };
 
-/// A deputy that the kernel spares when memory runs out (OOMScoreAdjust= of its unit) must not make all of its children
-/// as precious: then the kernel would have nobody to end but strangers, and at last the deputy.
+/// The kernel spares the deputy when memory runs out (OOMScoreAdjust= of its unit). Its children must not inherit that:
+/// otherwise the kernel could only end processes of others, and in the end the deputy.
 void make_expendable(pid_t child) {
   const auto score_of = [](const std::string& process) { return "/proc/" + process + "/oom_score_adj"; };
   int own = 0;

@@ -87,7 +87,7 @@ void EkfNode::on(const imu_t& message) {
   const std::int64_t lone_before = imu_outliers_.refused();
   for (const base::ImuSample& usable : imu_outliers_.add(sample)) sequencer_.push(usable);
   if (imu_outliers_.refused() > lone_before) counters_.add("refused.lone.imu", imu_outliers_.refused() - lone_before);
-  run(false);
+  process_due();
 }
 
 void EkfNode::on(const wheels_t& message) {
@@ -107,7 +107,7 @@ void EkfNode::on(const wheels_t& message) {
   base::WheelSample sample = sample_of(message);
   sample.utime = *utime;
   sequencer_.push(sample);
-  run(false);
+  process_due();
 }
 
 void EkfNode::on(const map_pose_t& message) {
@@ -117,24 +117,24 @@ void EkfNode::on(const map_pose_t& message) {
   if (const std::optional<inputs::MapIncrement> increment = increments_.add(pose)) sequencer_.push(*increment);
 }
 
-void EkfNode::run(bool drain) {
-  while (const std::optional<inputs::Sequencer::Sample> sample = sequencer_.pop(drain)) {
-    estimates_.clear();
-    const auto* wheels = std::get_if<base::WheelSample>(&*sample);
-    if (wheels != nullptr && stale_counts_.is_stale(*wheels)) {
-      counters_.add("refused.old_counts");
-      continue;
-    }
-    if (wheels != nullptr) accelerometer_.add(*wheels);
-    const auto* imu = std::get_if<base::ImuSample>(&*sample);
-    if (imu != nullptr && accelerometer_.add(*imu)) {
-      counters_.add("refused.stuck.imu");
-      continue;
-    }
-    check_mounting(*sample);
-    if (const auto usable = usable_of(*sample)) filter_.add(*usable, estimates_);
-    for (const model::Estimate& estimate : estimates_) publish(estimate);
-  }
+void EkfNode::process_due() {
+  while (const auto sample = sequencer_.pop()) process(*sample);
+}
+
+void EkfNode::finish() {
+  while (const auto sample = sequencer_.pop_rest()) process(*sample);
+}
+
+void EkfNode::process(const inputs::Sequencer::Sample& sample) {
+  const auto* wheels = std::get_if<base::WheelSample>(&sample);
+  if (wheels != nullptr && stale_counts_.is_stale(*wheels)) return counters_.add("refused.old_counts");
+  if (wheels != nullptr) accelerometer_.add(*wheels);
+  const auto* imu = std::get_if<base::ImuSample>(&sample);
+  if (imu != nullptr && accelerometer_.add(*imu)) return counters_.add("refused.stuck.imu");
+  check_mounting(sample);
+  estimates_.clear();
+  if (const auto usable = usable_of(sample)) filter_.add(*usable, estimates_);
+  for (const model::Estimate& estimate : estimates_) publish(estimate);
 }
 
 /// Drops samples of an IMU whose accelerometer does not measure gravity, that has another axis up, or that is shaken
@@ -225,7 +225,7 @@ NodeReport EkfNode::report() const {
   report.counters = counters_;
   const Counters filtering = filter_.counters();
   for (const Counters* part : {&clock_.counters(), &increments_.counters(), &sequencer_.counters(), &filtering})
-    for (const auto& [name, value] : part->values()) report.counters.add(name, value);
+    report.counters.add(*part);
   const inputs::ImuNoise& noise = shaken_imu_.noise();
   set_level(report.counters, "imu.gyro_noise_percent", std::lround(100.0 * noise.gyro() / config_.noise.gyro));
   set_level(report.counters, "imu.accelerometer_noise_percent",

@@ -39,7 +39,7 @@ class EkfNode final : public Node {
 
   void connect(Subscriber& bus) override;
   void tick(std::int64_t now) override;
-  void finish() override { run(true); }
+  void finish() override;
   [[nodiscard]] NodeReport report() const override;
 
   void on(const imu_t& message);
@@ -57,7 +57,8 @@ class EkfNode final : public Node {
     int refused_in_a_row = 0;
   };
 
-  void run(bool drain);
+  void process_due();
+  void process(const inputs::Sequencer::Sample& sample);
   void check_mounting(const inputs::Sequencer::Sample& sample);
   [[nodiscard]] std::optional<inputs::Sequencer::Sample> usable_of(const inputs::Sequencer::Sample& sample);
   void publish(const model::Estimate& estimate);

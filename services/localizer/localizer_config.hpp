@@ -30,9 +30,9 @@ struct LocalizerConfig {
   void visit(ConfigVisitor& v) {
     v.field("map", map, "the saved map, as curbstone-semantic-map wrote it; it is only read");
     v.choice("method", method, {{"gauss_newton", Method::kGaussNewton}, {"mcl", Method::kMonteCarlo}},
-             "how the pose is followed; mcl, a plain particle filter, is there to be compared with");
-    v.field("start", start, {-1e6, 1e6},
-            "[X, Y, YAW] in that map, where base_link is at the start, m, rad; none: anywhere", true);
+             "how the pose is tracked; mcl, a plain particle filter, is for comparison");
+    v.field("start", start, {-1e6, 1e6}, "[X, Y, YAW] of base_link in that map at the start, m, rad; empty: unknown",
+            true);
     v.field("start_sigma", start_sigma, {0.001, 1.0}, "m, 1 sigma of that place");
     v.field("start_yaw_sigma", start_yaw_sigma, {0.0001, 0.2}, "rad, 1 sigma of that direction");
     v.field("odometry_wait_s", odometry_wait_s, {0.02, 5.0}, "s of lidar time that a revolution waits for odometry");

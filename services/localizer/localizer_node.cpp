@@ -70,7 +70,7 @@ void LocalizerNode::on(const lidar_points_t& message) {
   clock_.add(message, odometry_.newest(), [this](const lidar_points_t& in_time) { queue(assembler_.add(in_time)); });
   if (message.utime <= 0) return;
   lidar_time_ = clock_.corrected(message.utime);
-  process_due(false);
+  process_due();
 }
 
 void LocalizerNode::on(const odometry_t& message) {
@@ -78,7 +78,7 @@ void LocalizerNode::on(const odometry_t& message) {
   const auto& known = message.pose_covariance;
   if (!std::all_of(std::begin(known), std::end(known), [](float v) { return std::isfinite(v); }))
     counters_.add("odometry.no_covariance");
-  if (mapper::scan::take_odometry(message, odometry_, counters_)) process_due(false);
+  if (mapper::scan::take_odometry(message, odometry_, counters_)) process_due();
 }
 
 void LocalizerNode::queue(std::optional<mapper::scan::Scan> scan) {
@@ -90,14 +90,16 @@ void LocalizerNode::queue(std::optional<mapper::scan::Scan> scan) {
   pending_.push_back(std::move(*scan));
 }
 
-void LocalizerNode::process_due(bool last_call) {
+void LocalizerNode::process_due() {
   const auto due = [&](const mapper::scan::Scan& scan) {
     return odometry_.reaches(scan.end) || std::abs(lidar_time_ - scan.end) > microseconds(config_.odometry_wait_s);
   };
-  while (!pending_.empty() && (last_call || due(pending_.front()))) {
-    process(pending_.front());
-    pending_.pop_front();
-  }
+  while (!pending_.empty() && due(pending_.front())) process_next();
+}
+
+void LocalizerNode::process_next() {
+  process(pending_.front());
+  pending_.pop_front();
 }
 
 void LocalizerNode::process(const mapper::scan::Scan& scan) {
@@ -219,15 +221,13 @@ void LocalizerNode::publish(const mapper::scan::Scan& scan, const Answer& answer
 void LocalizerNode::finish() {
   clock_.release([this](const lidar_points_t& held) { queue(assembler_.add(held)); });
   queue(assembler_.flush());
-  process_due(true);
+  while (!pending_.empty()) process_next();
 }
 
 NodeReport LocalizerNode::report() const {
   NodeReport report;
   report.counters = counters_;
-  for (const Counters* part : {&clock_.counters(), &assembler_.counters()}) {
-    for (const auto& [name, value] : part->values()) report.counters.add(name, value);
-  }
+  for (const Counters* part : {&clock_.counters(), &assembler_.counters()}) report.counters.add(*part);
   if (map_->unreadable() > 0)
     report.counters.add("map.unreadable_tiles", static_cast<std::int64_t>(map_->unreadable()));
   report.latency_p50 = latency_.percentile(0.5);

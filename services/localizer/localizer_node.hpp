@@ -41,7 +41,8 @@ class LocalizerNode final : public Node {
  private:
   [[nodiscard]] std::optional<semantic_map::tile::MapTile> read(TileKey key);
   void queue(std::optional<mapper::scan::Scan> scan);
-  void process_due(bool last_call);
+  void process_due();
+  void process_next();
   void process(const mapper::scan::Scan& scan);
   void begin(const mapper::scan::Scan& scan);
   [[nodiscard]] tracking::Motion motion_to(const mapper::scan::Scan& scan);

@@ -35,46 +35,62 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& revolution, const 
   const std::optional<tracking::Tracked> tracked = tracker_.track(scan, odometry);
   if (!tracked) return std::nullopt;
   if (std::exchange(resumed_pose_, std::nullopt)) counters_.add(tracked->began ? "resumed.lost" : "resumed");
-  const bool is_known = odometry.covers(scan.end, scan.end);
-  const bool has_trusted_odometry = is_known && !tracker_.odometry_check().rejects_odometry();
-  const auto T_odom_base = has_trusted_odometry ? std::optional(odometry.at(scan.end)) : std::nullopt;
   if (tracked->began) standstill_ = Standstill::at(tracked->utime, tracked->T_map_base);
 
-  // Not sought while registration follows something beside the vehicle, which looks the same everywhere, nor with scans
-  // of a LiDAR that shakes.
-  const bool is_sought = tracked->fix == tracking::Fix::kLost && !tracked->sparse && !tracker_.turn_refused() &&
-                         !tracker_.mount().shakes();
+  const std::optional<Pose> T_odom_base = trusted_odometry(odometry, scan.end);
+  const bool is_sought = must_search(*tracked);
   const auto relocalised = is_sought ? relocalise(*tracked, T_odom_base) : std::nullopt;
   const auto mapped = tracked->maps ? std::optional(map(*tracked)) : std::nullopt;
 
-  const Pose T_map_base = relocalised ? relocalised->T_map_base : mapped ? mapped->T_map_base : tracked->T_map_base;
-  if (is_known) T_map_odom_ = normalised(T_map_base * odometry.at(scan.end).inverse());
-  const tracking::Fix fix = relocalised ? tracking::Fix::kTentative : tracked->fix;
-  if (fix == tracking::Fix::kTracking && atlas_.reference() != pose_graph::Atlas::kNone) {
-    trajectory_.add({scan.end, scan.number, T_map_base, atlas_.reference(), T_odom_base}, atlas_);
+  MapperUpdate update = update_of(scan, *tracked, relocalised, mapped);
+  if (odometry.covers(scan.end, scan.end))
+    T_map_odom_ = normalised(update.T_map_base * odometry.at(scan.end).inverse());
+  update.T_map_odom = T_map_odom_;
+  if (update.fix == tracking::Fix::kTracking) {
+    if (const int node = atlas_.reference(); node != pose_graph::Atlas::kNone)
+      trajectory_.add({scan.end, scan.number, update.T_map_base, node, T_odom_base}, atlas_);
+    end_search();
   }
+  if (is_sought && !relocalised) {
+    note_failed_search(scan.end, T_odom_base);
+    update.wants_new_drive = failed_search_.is_hopeless();
+  }
+  return update;
+}
 
+/// T_odom_base at `utime`, unless odometry is missing or the tracker rejects it.
+std::optional<Pose> Mapper::trusted_odometry(const scan::OdometryHistory& odometry, std::int64_t utime) const {
+  if (!odometry.covers(utime, utime) || tracker_.odometry_check().rejects_odometry()) return std::nullopt;
+  return odometry.at(utime);
+}
+
+/// Whether a lost vehicle is searched for with this scan. Not while registration follows something beside the vehicle,
+/// which looks the same everywhere, nor with a LiDAR that shakes.
+bool Mapper::must_search(const tracking::Tracked& tracked) const {
+  return tracked.fix == tracking::Fix::kLost && !tracked.sparse && !tracker_.turn_refused() &&
+         !tracker_.mount().shakes();
+}
+
+/// The result of a scan, without T_map_odom and wants_new_drive.
+MapperUpdate Mapper::update_of(const scan::Scan& scan, const tracking::Tracked& tracked,
+                               const std::optional<Relocalisation>& relocalised,
+                               const std::optional<Mapped>& mapped) const {
   MapperUpdate update;
   update.utime = scan.end;
   update.revolution = scan.number;
-  update.T_map_base = T_map_base;
-  update.T_map_odom = T_map_odom_;
-  update.T_map_base_by_scan = tracked->T_map_base_by_scan;
-  update.registration = tracked->registration;
+  update.T_map_base = relocalised ? relocalised->T_map_base : mapped ? mapped->T_map_base : tracked.T_map_base;
+  update.T_map_base_by_scan = tracked.T_map_base_by_scan;
+  update.registration = tracked.registration;
   if (relocalised) update.registration.covariance = relocalised->covariance;
-  update.fix = fix;
-  update.registered = tracked->registered || relocalised;
-  update.with_odometry = tracked->with_odometry;
-  update.stationary = tracked->stationary || (mapped && mapped->stands);
+  update.fix = relocalised ? tracking::Fix::kTentative : tracked.fix;
+  update.registered = tracked.registered || relocalised;
+  update.with_odometry = tracked.with_odometry;
+  update.stationary = tracked.stationary || (mapped && mapped->stands);
   update.standing_since = standstill_.began;
   update.has_moved = standstill_.has_moved;
   update.rearranged = (relocalised && relocalised->rolled_back) || (mapped && mapped->rearranged);
   update.start_is_over = mapped && mapped->start_is_over;
-  if (fix == tracking::Fix::kTracking) end_search();
-  const bool is_in_vain = is_sought && !relocalised;
-  if (is_in_vain) note_failed_search(scan.end, T_odom_base);
-  update.wants_new_drive = is_in_vain && failed_search_.is_hopeless();
-  update.points = tracked->points;
+  update.points = tracked.points;
   return update;
 }
 
@@ -275,9 +291,8 @@ Counters Mapper::counters() const {
   Counters all = counters_;
   for (const Counters* part :
        {&tracker_.counters(), &tracker_.odometry_check().counters(), &tracker_.mount().counters(), &closer_.counters(),
-        &scale_.counters(), &dense_->counters(), &co_moving_.counters()}) {
-    for (const auto& [name, value] : part->values()) all.add(name, value);
-  }
+        &scale_.counters(), &dense_->counters(), &co_moving_.counters()})
+    all.add(*part);
   return all;
 }
 

@@ -74,7 +74,7 @@ class Mapper {
   /// Loads the map of an earlier drive, which stays fixed. Before the first scan. The drive begins near the start pose
   /// of the configuration.
   void load(const storage::SavedMap& map);
-  /// Load parts of that map that `map` need not contain. Before load(map).
+  /// Load one tile, or one keyframe, of that map: `map` need not contain them then. Before load(map).
   void load(const storage::SavedTile& tile);
   void load(scan::Keyframe node);
 
@@ -86,7 +86,8 @@ class Mapper {
   /// if it has too few points and odometry does not continue the pose: see Tracker::track().
   [[nodiscard]] std::optional<MapperUpdate> process(const scan::Scan& revolution,
                                                     const scan::OdometryHistory& odometry);
-  /// Begins free-space removal in the dense map while nobody waits for a result. Otherwise process() does it first.
+  /// Begins free-space removal in the dense map. To be called while no result is awaited; otherwise the next process()
+  /// does it first.
   void begin_free_space_removal();
   /// Shows the drive's own map from now on, as the drive ends. True if another map was shown: then every tile may
   /// differ.
@@ -171,6 +172,11 @@ class Mapper {
     std::int64_t utime;
   };
   void resume_at(const journal::RecordedPose& last, const scan::Scan& scan, const scan::OdometryHistory& odometry);
+  [[nodiscard]] std::optional<Pose> trusted_odometry(const scan::OdometryHistory& odometry, std::int64_t utime) const;
+  [[nodiscard]] bool must_search(const tracking::Tracked& tracked) const;
+  [[nodiscard]] MapperUpdate update_of(const scan::Scan& scan, const tracking::Tracked& tracked,
+                                       const std::optional<Relocalisation>& relocalised,
+                                       const std::optional<Mapped>& mapped) const;
   [[nodiscard]] std::optional<Relocalisation> relocalise(const tracking::Tracked& tracked,
                                                          const std::optional<Pose>& T_odom_base);
   void note_failed_search(std::int64_t utime, const std::optional<Pose>& T_odom_base);

@@ -15,9 +15,10 @@
 namespace curbstone::mapper {
 namespace {
 
-constexpr int kMaxScansPerTick = 5;  // scans processed per call
-constexpr std::int64_t kIndexPeriod = 1'000'000;
-constexpr std::int64_t kGyroWindow = 100'000;  // us before the end of a scan in which a gyro must have measured
+constexpr int kMaxScansPerTick = 5;               // scans processed per call
+constexpr std::int64_t kIndexPeriod = 1'000'000;  // us
+constexpr int kRefusedInARow = 10;                // scans that do not fit the map: from here on a fault
+constexpr std::int64_t kGyroWindow = 100'000;     // us before the end of a scan in which a gyro must have measured
 
 std::vector<TrajectoryPoint> points_of(const std::vector<journal::RecordedPose>& drive) {
   std::vector<TrajectoryPoint> points;
@@ -60,21 +61,21 @@ void MapperNode::connect(Subscriber& bus) {
 void MapperNode::on(const lidar_points_t& message) {
   sensor_monitor_.heard();
   input_.add(message);
-  process_due(false);
+  process_due();
 }
 
 void MapperNode::on_resent(const lidar_points_t& message) {
   input_.add_resent(message);
-  process_due(false);
+  process_due();
 }
 
 void MapperNode::on(const odometry_t& message) {
-  if (input_.add(message)) process_due(false);
+  if (input_.add(message)) process_due();
 }
 
 void MapperNode::on_resent(const odometry_t& message) {
   input_.add_resent(message);
-  process_due(false);
+  process_due();
 }
 
 void MapperNode::on(const tile_request_t& message) {
@@ -84,9 +85,9 @@ void MapperNode::on(const tile_request_t& message) {
 /// Processes the scans that are due. If many are due at once (packets behind a gap, late odometry), not all in one
 /// call: meanwhile the process could neither publish nor request missing messages. For scans whose odometry is there
 /// the delay does not change the result.
-void MapperNode::process_due(bool last_call) {
-  for (int done = 0; !input_.empty() && (last_call || input_.is_due(mapper_->started())); ++done) {
-    if (!last_call && done >= kMaxScansPerTick && input_.has_odometry()) return;
+void MapperNode::process_due() {
+  for (int done = 0; !input_.empty() && input_.is_due(mapper_->started()); ++done) {
+    if (done >= kMaxScansPerTick && input_.has_odometry()) return;
     process(input_.pop());
   }
 }
@@ -237,7 +238,7 @@ void MapperNode::caught_up(std::int64_t now) {
 void MapperNode::tick(std::int64_t now) {
   sensor_monitor_.tick(now);
   input_.tick(now);
-  process_due(false);
+  process_due();
   if (epoch_ == 0) {
     if (journal_) journal_->wait(now);
     return;
@@ -253,7 +254,7 @@ void MapperNode::tick(std::int64_t now) {
 
 void MapperNode::finish() {
   input_.flush();
-  process_due(true);
+  while (!input_.empty()) process(input_.pop());
   if (epoch_ == 0) return;
   take_changes(last_end_);
   if (mapper_->show_drive()) begin_epoch(last_end_ + 1, false);
@@ -266,55 +267,56 @@ void MapperNode::finish() {
 
 NodeReport MapperNode::report() const {
   NodeReport report;
-  report.counters = counters_;
-  input_.add_counters(report.counters);
-  const Counters method = mapper_->counters();
-  for (const auto& [name, value] : method.values()) report.counters.add(name, value);
-  for (const auto& [name, value] : lidar_at_start_.counters().values()) report.counters.add(name, value);
-  sensor_monitor_.add_counters(report.counters);
-  if (saver_) {
-    for (const auto& [name, value] : saver_->counters().values()) report.counters.add(name, value);
-  }
-  set_level(report.counters, "far.memory_kb", static_cast<std::int64_t>(spill_file_->bytes_in_memory() / 1024));
-  set_level(report.counters, "far.disk_kb", static_cast<std::int64_t>(spill_file_->bytes_in_file() / 1024));
-  set_level(report.counters, "far.unreadable", spill_file_->unreadable());
-  report.counters.add("faults.far_tiles", spill_file_->failed_reads());
-  report.latency_p50 = latency_.percentile(0.5);
-  report.latency_p99 = latency_.percentile(0.99);
-  if (!spill_file_->read_fault().empty())
-    report.faults.push_back(
-        fmt::format("far tiles: {} of them cannot be read, so they cannot be sent, saved or grow; they are tried "
-                    "again: {}",
-                    spill_file_->unreadable(), spill_file_->read_fault()));
-  if (const std::int64_t evicted = method["dense.evicted_tiles"]; evicted > 0)
-    report.faults.push_back(
-        fmt::format("far tiles: {} were dropped, as memory holds no more than dense.max_points and no disk takes them: "
-                    "they stay as they were published and saved before, and grow no more",
-                    evicted));
-  if (!spill_file_->fault().empty()) report.faults.push_back("far tiles stay in memory: " + spill_file_->fault());
+  add_counters(report.counters);
   add_disk_faults(report.faults);
   input_.add_packet_faults(report.faults);
   lidar_at_start_.add_faults(report.faults);
   sensor_monitor_.add_faults(report.faults);
   mapper_->add_faults(report.faults);
   input_.add_odometry_faults(report.faults, epoch_ != 0, last_end_);
+  add_turn_faults(report.faults);
+  add_fit_faults(report.faults);
+  report.latency_p50 = latency_.percentile(0.5);
+  report.latency_p99 = latency_.percentile(0.99);
+  return report;
+}
+
+void MapperNode::add_counters(Counters& counters) const {
+  counters.add(counters_);
+  input_.add_counters(counters);
+  counters.add(mapper_->counters());
+  counters.add(lidar_at_start_.counters());
+  sensor_monitor_.add_counters(counters);
+  if (saver_) counters.add(saver_->counters());
+  set_level(counters, "far.memory_kb", static_cast<std::int64_t>(spill_file_->bytes_in_memory() / 1024));
+  set_level(counters, "far.disk_kb", static_cast<std::int64_t>(spill_file_->bytes_in_file() / 1024));
+  set_level(counters, "far.unreadable", spill_file_->unreadable());
+  counters.add("faults.far_tiles", spill_file_->failed_reads());
+}
+
+/// Faults of scans that were refused because they turn otherwise than wheels and gyro.
+void MapperNode::add_turn_faults(std::vector<std::string>& faults) const {
   if (mapper_->turn_refused()) {
-    report.faults.push_back(
+    faults.emplace_back(
         "LiDAR: it turns otherwise than wheels and gyro: does something large drive along beside it, or are its stamps "
         "late or early? Odometry alone is believed meanwhile");
-  } else if (const std::int64_t ago = last_end_ - mapper_->turn_refused_at();
-             mapper_->turn_refused_at() != 0 && ago >= 0 && ago < kReportedFor) {
-    report.faults.push_back(
-        fmt::format("LiDAR: it turned otherwise than wheels and gyro, {:.0f} s ago: did something large drive along "
-                    "beside it, or are its stamps late or early? Where that was, the map has gaps or is bent",
-                    static_cast<double>(ago) * 1e-6));
+    return;
   }
+  const std::int64_t ago = last_end_ - mapper_->turn_refused_at();
+  if (mapper_->turn_refused_at() == 0 || ago < 0 || ago >= kReportedFor) return;
+  faults.push_back(
+      fmt::format("LiDAR: it turned otherwise than wheels and gyro, {:.0f} s ago: did something large drive along "
+                  "beside it, or are its stamps late or early? Where that was, the map has gaps or is bent",
+                  static_cast<double>(ago) * 1e-6));
+}
+
+/// Faults of a vehicle that is lost, or of scans that do not fit the map.
+void MapperNode::add_fit_faults(std::vector<std::string>& faults) const {
   if (epoch_ != 0 && mapper_->fix() != tracking::Fix::kTracking) {
-    report.faults.push_back("lost: looking for where the vehicle is; nothing is mapped");
-  } else if (mapper_->refused_in_a_row() >= 10) {
-    report.faults.push_back(fmt::format("{} revolutions in a row do not fit the map", mapper_->refused_in_a_row()));
+    faults.emplace_back("lost: looking for where the vehicle is; nothing is mapped");
+  } else if (mapper_->refused_in_a_row() >= kRefusedInARow) {
+    faults.push_back(fmt::format("{} revolutions in a row do not fit the map", mapper_->refused_in_a_row()));
   }
-  return report;
 }
 
 }  // namespace curbstone::mapper

@@ -48,7 +48,7 @@ class MapperNode final : public Node {
  private:
   static constexpr std::int64_t kReportedFor = 60'000'000;  // us of the drive for which an event is reported
 
-  void process_due(bool last_call);
+  void process_due();
   void process(scan::Scan scan);
   void monitor_sensors(const MapperUpdate& update);
   /// Begins an epoch: the map begins, or has been rearranged and is sent again as a whole.
@@ -58,7 +58,7 @@ class MapperNode final : public Node {
   void take_changes(std::int64_t now);
   void send_changes(std::int64_t now);
   void send_index(std::int64_t now);
-  /// `why` of a fault that says so.
+  /// `why`: the cause, for the fault that reports it.
   void begin_new_drive(const std::string& why);
   void check_lidar(const MapperUpdate& update);
   void begin_with_other_lidar(const std::string& why);
@@ -69,7 +69,10 @@ class MapperNode final : public Node {
   [[nodiscard]] bool resume_drive();
   void note_missing(const scan::Scan& scan);
   void journal_epoch(const std::vector<journal::RecordedPose>& drive, bool is_rearranged);
+  void add_counters(Counters& counters) const;
   void add_disk_faults(std::vector<std::string>& faults) const;
+  void add_turn_faults(std::vector<std::string>& faults) const;
+  void add_fit_faults(std::vector<std::string>& faults) const;
   void keep_pose(const MapperUpdate& update);
 
   config::MapperConfig config_;

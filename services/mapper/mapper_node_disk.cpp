@@ -96,7 +96,19 @@ void MapperNode::journal_epoch(const std::vector<journal::RecordedPose>& drive, 
   if (!continues) journal_->start_epoch(epoch_, drive);
 }
 
+/// Faults of the file of far tiles, of the map's folder and of the journal.
 void MapperNode::add_disk_faults(std::vector<std::string>& faults) const {
+  if (!spill_file_->read_fault().empty())
+    faults.push_back(
+        fmt::format("far tiles: {} of them cannot be read, so they cannot be sent, saved or grow; they are tried "
+                    "again: {}",
+                    spill_file_->unreadable(), spill_file_->read_fault()));
+  if (const std::int64_t evicted = mapper_->counters()["dense.evicted_tiles"]; evicted > 0)
+    faults.push_back(
+        fmt::format("far tiles: {} were dropped, as memory holds no more than dense.max_points and no disk takes them: "
+                    "they stay as they were published and saved before, and grow no more",
+                    evicted));
+  if (!spill_file_->fault().empty()) faults.push_back("far tiles stay in memory: " + spill_file_->fault());
   if (saver_ && !saver_->fault().empty()) faults.push_back(saver_->fault());
   if (journal_ && !journal_->fault().empty()) faults.push_back(journal_->fault());
   if (!why_new_map_.empty() && last_end_ - input_.first_start() < kReportedFor) faults.push_back(why_new_map_);

@@ -14,9 +14,9 @@ namespace curbstone::mapper {
 /// displace a ring 19 m ahead by 6 cm from the road surface as it is mapped later, on the move. That would look like a
 /// curb. Therefore none of these points becomes part of the drive's map.
 ///
-/// Whoever switches the vehicle on still sees its surroundings: this map is shown until the vehicle has moved and the
-/// drive's own map has grown for long enough to replace it. If the vehicle never moves, this map becomes the drive's.
-/// One thread.
+/// So that the surroundings are visible as soon as the vehicle is switched on, this map is shown until the vehicle has
+/// moved and the drive's own map has grown for long enough to replace it. If the vehicle never moves, this map becomes
+/// the drive's. One thread.
 class StartMap {
  public:
   using Worker = dense_map::DenseWorker;

@@ -33,7 +33,7 @@ class Trajectory {
   [[nodiscard]] std::vector<TrajectoryPoint> points(const pose_graph::Atlas& atlas) const;
   /// The vehicle is at `T_map_base` at `utime`. Returns the time, us, of the latest pose from which odometry leads to
   /// `T_map_base`; nothing if that is the last pose, or if there is none within 30 s. Nothing, too, once the host's
-  /// clock was set back in the drive: what is mapped cannot be rolled back to a time when all of before is later.
+  /// clock was set back during the drive: then stamps no longer order the map, and it cannot be rolled back to a time.
   [[nodiscard]] std::optional<std::int64_t> last_agreement(const Pose& T_map_base, std::int64_t utime,
                                                            const Pose& T_odom_base,
                                                            const pose_graph::Atlas& atlas) const;

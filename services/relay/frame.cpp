@@ -9,7 +9,7 @@ namespace curbstone::relay {
 namespace {
 
 constexpr std::array<std::uint8_t, 4> kMagic = {'C', 'B', 'R', '1'};
-constexpr std::ptrdiff_t kLongestChannel = 63;  // LCM_MAX_CHANNEL_NAME_LENGTH
+constexpr std::ptrdiff_t kMaxChannelName = 63;  // LCM_MAX_CHANNEL_NAME_LENGTH
 
 }  // namespace
 
@@ -32,7 +32,7 @@ std::optional<Frame> decode_frame(std::span<const std::uint8_t> datagram) {
   if (message.empty()) return frame;
   const auto end = std::find(message.begin(), message.end(), 0);
   const auto length = end - message.begin();
-  if (end == message.end() || length < 1 || length > kLongestChannel) return {};
+  if (end == message.end() || length < 1 || length > kMaxChannelName) return {};
   frame.channel = {reinterpret_cast<const char*>(message.data()), static_cast<std::size_t>(length)};
   frame.data = message.subspan(static_cast<std::size_t>(length) + 1);
   return frame;

@@ -17,7 +17,7 @@ namespace curbstone::relay {
 
 namespace {
 
-constexpr std::size_t kLongestDatagram = 65'536;
+constexpr std::size_t kMaxDatagram = 65'536;
 constexpr int kSocketBuffer = 1 << 22;  // bytes: a revolution's tiles at once; limited by net.core.[rw]mem_max
 constexpr int kAtOnce = 64;             // datagrams, after which the bus is served
 
@@ -32,7 +32,7 @@ std::string to_text(const sockaddr_in& address) {
 PeerLinks::PeerLinks(int port, const std::vector<sockaddr_in>& peers, std::uint64_t run)
     : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)),
       run_(run),
-      buffer_(std::make_unique_for_overwrite<std::uint8_t[]>(kLongestDatagram)) {
+      buffer_(std::make_unique_for_overwrite<std::uint8_t[]>(kMaxDatagram)) {
   if (fd_ < 0) throw std::system_error(errno, std::generic_category(), "socket");
   setsockopt(fd_, SOL_SOCKET, SO_SNDBUF, &kSocketBuffer, sizeof kSocketBuffer);
   setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &kSocketBuffer, sizeof kSocketBuffer);
@@ -70,7 +70,7 @@ void PeerLinks::receive(std::int64_t now, const Handler& handler) {
     sockaddr_in from{};
     socklen_t from_size = sizeof from;
     const auto size =
-        recvfrom(fd_, buffer_.get(), kLongestDatagram, MSG_DONTWAIT, reinterpret_cast<sockaddr*>(&from), &from_size);
+        recvfrom(fd_, buffer_.get(), kMaxDatagram, MSG_DONTWAIT, reinterpret_cast<sockaddr*>(&from), &from_size);
     if (size < 0) return;
     Peer* const peer = find(from);
     const auto frame = decode_frame({buffer_.get(), static_cast<std::size_t>(size)});

@@ -47,7 +47,7 @@ void RelayNode::tick(std::int64_t now) {
 NodeReport RelayNode::report() const {
   NodeReport report;
   report.counters = counters_;
-  for (const auto& [name, value] : peers_.counters().values()) report.counters.set(name, value);
+  report.counters.set(peers_.counters());
   report.counters.set("dropped.kernel", bus_.dropped());
   for (const std::string& peer : peers_.silent(now_, start_, kSilence))
     report.faults.push_back(fmt::format("the relay at {} is silent: nothing is exchanged with that host", peer));

@@ -27,16 +27,16 @@ struct SemanticMapConfig {
   void visit(ConfigVisitor& v) {
     v.field("map", map, "file to keep the map in; empty: in memory only");
     v.field("keep_earlier_drives", keep_earlier_drives,
-            "a map that must make room for another drive's is kept beside it, as map-<its start>.db");
+            "keep the map of an earlier drive beside the new one, as map-<its start>.db");
     v.field("picture", picture, "PNG of the map, written at the end; empty: none");
     v.field("work_per_tick", work_per_tick, {1, 1000},
             "work on ground and curbs each 20 ms; the search of an average tile is 1");
-    v.field("curb_range", curb_range, {3, 100}, "m around the vehicle that CURBS and MARKINGS speak of");
+    v.field("curb_range", curb_range, {3, 100}, "m around the vehicle that CURBS and MARKINGS cover");
     v.field("max_pending_tiles", max_pending_tiles, {100, 1e6}, "tiles kept in memory while the disk is full");
     v.field("keep_free", keep_free, {0, 1e6},
             "GB of the map's disk that layers of far tiles leave free; then they stay in memory");
     v.section("curb", curb, "how curbs are found");
-    v.section("classes", classes, "what blocks and what does not");
+    v.section("classes", classes, "classes and costs of cells");
     v.section("markings", markings, "how the paint on the road is found");
     v.section("vehicle", vehicle, "shared: the vehicle");
   }

@@ -33,8 +33,8 @@ void SemanticMapNode::on(const map_pose_t& message) {
   if (follow_mapper(message)) take(message);
 }
 
-/// Whether a newer message overtook it. A newer revolution at an earlier time means that the host's clock was set back,
-/// and so does a time that no message needs to get here.
+/// Whether a newer message overtook this one. A newer revolution at an earlier time means that the host's clock was set
+/// back, and so does a delay that no message has.
 bool SemanticMapNode::is_late(const map_pose_t& message) const {
   return message.utime <= last_pose_.utime && message.revolution <= last_pose_.revolution &&
          last_pose_.utime - message.utime < kLatest;
@@ -48,7 +48,7 @@ void SemanticMapNode::take(const map_pose_t& message) {
   vehicle_ = T_map_base.translation().head<2>();
   const bool is_guess = (message.flags & map_pose_t::LOST) != 0;
   lost_timer_.on_pose(message.utime, is_guess);
-  if (is_guess) return;  // it is no part of the drive
+  if (is_guess) return;  // a guess is not part of the drive
   if (path_.empty() || (path_.last() - vehicle_).norm() > kPathSpacing) add_to_path(message.utime, vehicle_);
   keeper_.put(tile::TrajectoryPose{message.utime, message.revolution, T_map_base});
   drive_.add(message.utime);
@@ -122,7 +122,7 @@ void SemanticMapNode::settle_while_lost() {
 }
 
 void SemanticMapNode::finish() {
-  settle();  // nobody answers any more, but what is lost is counted
+  settle();  // lost tiles are no longer sent again, but they are counted
   if (has_points()) publish_final();
   MapLineSources sources = line_sources(pipeline_, path_, config_.markings);
   sources.before = keeper_.previous_lines();

@@ -157,6 +157,7 @@ bool SemanticMapNode::idle(std::int64_t now) {
 
 void SemanticMapNode::tick(std::int64_t now) {
   now_ = now;
+  pipeline_.set_time(now);
   show_new_points(now);
   if (!idles_) publish_changed(work_on_all(now), now);
   std::erase_if(unsent_, [&](TileKey key) { return publish_if_due(key, now); });
@@ -191,7 +192,8 @@ void SemanticMapNode::send_requests(std::int64_t now) {
   if (poses.num_tiles > 0) bus_.publish("TILE_REQUEST", poses);
 }
 
-/// Not all at once: a tile that waits longer includes more messages, and a process short of CPU loses none.
+/// At most kShownAtOnce tiles, so that a process short of CPU takes its messages in between and loses none. A tile that
+/// waits longer includes more of them.
 void SemanticMapNode::show_new_points(std::int64_t now) {
   for (int i = 0; i < kShownAtOnce && show_next(now); ++i) {
   }
@@ -305,7 +307,7 @@ void SemanticMapNode::store(std::int64_t now) {
 NodeReport SemanticMapNode::report() const {
   NodeReport report;
   report.counters = counters_;
-  for (const auto& [name, value] : keeper_.counters().values()) report.counters.set(name, value);
+  report.counters.set(keeper_.counters());
   set_level(report.counters, "store.failing", keeper_.failing() ? 1 : 0);
   set_level(report.counters, "tiles", static_cast<std::int64_t>(pipeline_.num_tiles()));
   set_level(report.counters, "tiles_waiting", static_cast<std::int64_t>(schedule_.num_waiting() + unsent_.size()));

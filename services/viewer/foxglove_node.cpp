@@ -16,7 +16,7 @@ void FoxgloveNode::tick(std::int64_t now) {
 NodeReport FoxgloveNode::report() const {
   NodeReport report;
   report.counters = endpoint_.counters();
-  for (const auto& [name, value] : state_.counters().values()) report.counters.add(name, value);
+  report.counters.add(state_.counters());
   return report;
 }
 

@@ -39,8 +39,7 @@ class Viewer final : public Node {
     add_fault(report, "the page", server_);
     if (!foxglove_) return report;
     add_fault(report, "the port for Foxglove", *endpoint_);
-    const Counters of_door = foxglove_->report().counters;
-    for (const auto& [name, value] : of_door.values()) report.counters.add(name, value);
+    report.counters.add(foxglove_->report().counters);
     return report;
   }
 

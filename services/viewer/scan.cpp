@@ -7,7 +7,7 @@
 namespace curbstone::viewer {
 namespace {
 
-constexpr float kFarthest = 320;  // m: in cm it fits an int16
+constexpr float kMaxRange = 320;  // m: in cm it fits an int16
 
 }  // namespace
 
@@ -23,7 +23,7 @@ bool Scan::put(const lidar_points_t& message) {
   for (std::size_t i = 0; i < n; ++i) {
     if (counted_++ % stride_ != 0 || filling_.size() >= max_points_) continue;
     const Eigen::Vector3f p = T_base_lidar_ * Eigen::Vector3f(message.x[i], message.y[i], message.z[i]);
-    if (!(p.cwiseAbs().maxCoeff() < kFarthest)) continue;  // also drops NaN
+    if (!(p.cwiseAbs().maxCoeff() < kMaxRange)) continue;  // also drops NaN
     filling_.push_back({cm(p.x()), cm(p.y()), cm(p.z()), message.intensity[i]});
   }
   return true;

@@ -335,9 +335,8 @@ State ViewerNode::state_for(const Page& page) const {
 
 NodeReport ViewerNode::report() const {
   NodeReport report{.counters = counters_, .faults = {}};
-  const Counters of_pages = connections_.counters();
-  for (const auto& [name, value] : of_pages.values()) report.counters.set(name, value);
-  for (const auto& [name, value] : cloud_.counters().values()) report.counters.add(name, value);
+  report.counters.set(connections_.counters());
+  report.counters.add(cloud_.counters());
   set_level(report.counters, "pages", static_cast<std::int64_t>(pages_.size()));
   set_level(report.counters, "tiles_behind", static_cast<std::int64_t>(tiles_.behind()));
   if (const auto fault = epochs_.fault(now_)) report.faults.push_back(*fault);

@@ -58,10 +58,10 @@ class PcdReader {
       : path_(path), size_(std::filesystem::file_size(path)), in_(path, std::ios::binary), lines_(in_) {}
 
   Header read_header() {
-    constexpr int kMostLines = 1000;
+    constexpr int kMaxLines = 1000;
     Header header;
     std::map<std::string, std::vector<std::string>, std::less<>> said;
-    while (!said.contains("DATA") && lines_.number() < kMostLines && lines_.next()) {
+    while (!said.contains("DATA") && lines_.number() < kMaxLines && lines_.next()) {
       std::string_view rest = lines_.line();
       const std::string_view key = next_word(rest);
       if (key.empty() || key.starts_with('#')) continue;
@@ -83,17 +83,17 @@ class PcdReader {
       if (said.contains(key) && said[key].size() != fields) contradicts();
     }
     for (std::size_t i = 0; i < fields; ++i) {
-      constexpr std::uint64_t kMostCounts = 100'000;
+      constexpr std::uint64_t kMaxCount = 100'000;
       header.fields.push_back({said["FIELDS"][i], said["TYPE"][i], number_of("SIZE", i),
                                said.contains("COUNT") ? number_of("COUNT", i) : 1});
-      if (header.fields.back().size > 8 || header.fields.back().count > kMostCounts) contradicts();
+      if (header.fields.back().size > 8 || header.fields.back().count > kMaxCount) contradicts();
     }
     for (const char* key : {"WIDTH", "HEIGHT", "POINTS", "DATA"}) {
       if (said[key].size() != 1) fail(fmt::format("{} of its header is not one word", key));
     }
     header.points = number_of("POINTS", 0);
     const std::uint64_t width = number_of("WIDTH", 0), height = number_of("HEIGHT", 0);
-    if (header.points > kMostShrunk * size_ || width > header.points ||
+    if (header.points > kMaxCompression * size_ || width > header.points ||
         height > std::max<std::uint64_t>(header.points, 1) || width * height != header.points)
       contradicts();
     header.data = said["DATA"][0];
@@ -150,7 +150,7 @@ class PcdReader {
     std::memcpy(&small, sizes.data(), 4);
     std::memcpy(&large, sizes.data() + 4, 4);
     if (small > left()) fail("truncated");
-    if (large != header.points * header.point_bytes() || large > kMostShrunk * small) contradicts();
+    if (large != header.points * header.point_bytes() || large > kMaxCompression * small) contradicts();
     const std::vector<char> compressed = take(small);
     std::vector<char> bytes(large);
     if (large > 0 && pcl::lzfDecompress(compressed.data(), small, bytes.data(), large) != large)
@@ -166,7 +166,7 @@ class PcdReader {
   }
 
  private:
-  static constexpr std::uint64_t kMostShrunk = 264;  // bytes that LZF makes of one, at most
+  static constexpr std::uint64_t kMaxCompression = 264;  // bytes that LZF makes of one, at most
 
   [[noreturn]] void fail(const std::string& why) const {
     throw CloudFileError(fmt::format("{}: {}", path_.string(), why));

@@ -76,11 +76,11 @@ class PlyReader {
   }
 
   void read_header() {
-    constexpr int kMostLines = 1000;
+    constexpr int kMaxLines = 1000;
     if (!lines_.next()) fail("is not a ply cloud");
     std::string_view first = lines_.line();
     if (next_word(first) != "ply") fail("is not a ply cloud");
-    while (lines_.number() < kMostLines && lines_.next()) {
+    while (lines_.number() < kMaxLines && lines_.next()) {
       std::string_view rest = lines_.line();
       const std::string_view key = next_word(rest);
       if (key == "end_header") {

@@ -37,16 +37,16 @@ class TextLines {
  public:
   explicit TextLines(std::istream& in) : in_(in) {}
 
-  /// The next line; false at the end. A line of more than kLongest characters ends the text: it is none.
+  /// The next line; false at the end. A line of more than kMaxLine characters ends the text: it is none.
   bool next() {
-    constexpr std::size_t kLongest = 1 << 16;
+    constexpr std::size_t kMaxLine = 1 << 16;
     constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
     line_.clear();
     ++number_;
     int c = in_.get();
     if (c == EOF) return false;
     for (; c != EOF && c != '\n'; c = in_.get()) {
-      if (line_.size() == kLongest) return false;
+      if (line_.size() == kMaxLine) return false;
       line_.push_back(static_cast<char>(c));
     }
     if (number_ == 1 && line_.starts_with(kByteOrderMark)) {

@@ -36,7 +36,8 @@ std::vector<semantic_map::tile::CurbLine> usable_curbs(std::vector<semantic_map:
   std::erase_if(lines, [](const semantic_map::tile::CurbLine& line) {
     return line.points.size() < 2 ||
            std::any_of(line.points.begin(), line.points.end(), [](const semantic_map::tile::CurbVertex& v) {
-             return !(std::abs(v.x) < kFarthestCurb && std::abs(v.y) < kFarthestCurb && std::abs(v.z) < kFarthestCurb);
+             return !(std::abs(v.x) < kMaxCoordinate && std::abs(v.y) < kMaxCoordinate &&
+                      std::abs(v.z) < kMaxCoordinate);
            });
   });
   return lines;

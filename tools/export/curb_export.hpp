@@ -17,8 +17,8 @@ struct CurbSummary {
   semantic_map::curb_lines::CurbRise rise = semantic_map::curb_lines::CurbRise::kUnknown;
 };
 
-inline constexpr double kHighCurb = 0.05;     ///< m: curbs of this height and above are `high` by default
-inline constexpr float kFarthestCurb = 1e5F;  ///< m from the map's origin: farther points are errors
+inline constexpr double kHighCurb = 0.05;      ///< m: curbs of this height and above are `high` by default
+inline constexpr float kMaxCoordinate = 1e5F;  ///< m from the map's origin: farther points are errors
 
 /// How curbs are summarised.
 struct CurbView {
@@ -30,7 +30,7 @@ struct CurbView {
 /// "up", "down", "unknown".
 [[nodiscard]] std::string rise_name(semantic_map::curb_lines::CurbRise rise);
 
-/// The lines with two or more points, all of them within kFarthestCurb.
+/// The lines with two or more points, all of them within kMaxCoordinate.
 [[nodiscard]] std::vector<semantic_map::tile::CurbLine> usable_curbs(std::vector<semantic_map::tile::CurbLine> lines);
 
 }  // namespace curbstone::map_export

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "tools/export/curb_export.hpp"
 #include "tools/export/geo/osm_node.hpp"
 
 namespace curbstone::map_export {
@@ -15,8 +16,7 @@ using semantic_map::tile::MarkingLine;
 using semantic_map::tile::MarkingType;
 using semantic_map::tile::MarkingVertex;
 
-constexpr float kFarthest = 1e5F;  // m from the map's origin: farther points are errors
-constexpr float kThick = 0.2F;     // m
+constexpr float kThick = 0.2F;  // m
 
 /// Collects nodes and ways.
 class OsmText {
@@ -119,7 +119,8 @@ std::string marking_name(MarkingType type) {
 std::vector<MarkingLine> usable_markings(std::vector<MarkingLine> lines) {
   std::erase_if(lines, [](const MarkingLine& line) {
     return line.points.size() < 2 || std::any_of(line.points.begin(), line.points.end(), [](const MarkingVertex& v) {
-             return !(std::abs(v.x) < kFarthest && std::abs(v.y) < kFarthest && std::abs(v.z) < kFarthest);
+             return !(std::abs(v.x) < kMaxCoordinate && std::abs(v.y) < kMaxCoordinate &&
+                      std::abs(v.z) < kMaxCoordinate);
            });
   });
   return lines;

@@ -12,7 +12,7 @@ namespace curbstone::map_export {
 /// "solid", "dashed", "stop_line", "crossing", "other", "unknown".
 [[nodiscard]] std::string marking_name(semantic_map::tile::MarkingType type);
 
-/// The lines with two or more points, all of them within kFarthestCurb.
+/// The lines with two or more points, all of them within kMaxCoordinate.
 [[nodiscard]] std::vector<semantic_map::tile::MarkingLine> usable_markings(
     std::vector<semantic_map::tile::MarkingLine> lines);
 

@@ -62,14 +62,14 @@ void LoggedPath::take(const map_trajectory_t& message) {
 }
 
 std::optional<Pose> LoggedPath::at(std::int64_t utime) const {
-  constexpr std::int64_t kFarthest = 1'000'000;  // us
-  constexpr double kStands = 0.2;                // m: MAP_TRAJECTORY has no poses of a vehicle that stands
+  constexpr std::int64_t kMaxTimeDifference = 1'000'000;  // us
+  constexpr double kStands = 0.2;                         // m: MAP_TRAJECTORY has no poses of a vehicle that stands
   const auto after = poses_.lower_bound(utime);
   if (after == poses_.end()) return std::nullopt;
   if (after->first == utime) return after->second;
   if (after == poses_.begin()) return std::nullopt;
   const auto before = std::prev(after);
-  if (after->first - before->first > kFarthest &&
+  if (after->first - before->first > kMaxTimeDifference &&
       (after->second.translation() - before->second.translation()).norm() > kStands)
     return std::nullopt;
   return interpolate(before->second, after->second,

@@ -27,9 +27,9 @@ void read_in_order(WatchedLog& log, const std::function<bool(const std::string& 
   while (auto event = log.next()) {
     if (!wanted(event->channel)) continue;
     order.push(std::move(*event));
-    while (const auto ready = order.pop(false)) take(*ready);
+    while (const auto ready = order.pop()) take(*ready);
   }
-  while (const auto ready = order.pop(true)) take(*ready);
+  while (const auto ready = order.pop_rest()) take(*ready);
 }
 
 }  // namespace curbstone::output

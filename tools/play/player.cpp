@@ -10,7 +10,7 @@ namespace curbstone::play {
 namespace {
 
 constexpr std::int64_t kMaxAtOnce = 100'000;                 // us of the caller's clock, caught up per call
-constexpr std::int64_t kLongestSilence = 10'000'000;         // us
+constexpr std::int64_t kMaxSilence = 10'000'000;             // us
 constexpr std::int64_t kCentury = 100 * 31'557'600'000'000;  // us: no clock is set by so much
 constexpr std::int64_t kMaxLate = 10'000'000;  // us; a log of `replay` has its records in the order of computation
 
@@ -59,7 +59,7 @@ void Player::advance(std::int64_t now) {
   last_now_ = now;
   if (paused_) return;
   publish_until(position_ + std::llround(static_cast<double>(passed) * speed_));
-  if (next_ && next_at_ - position_ > kLongestSilence) position_ = next_at_;
+  if (next_ && next_at_ - position_ > kMaxSilence) position_ = next_at_;
 }
 
 void Player::publish_until(std::int64_t position) {

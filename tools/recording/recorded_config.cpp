@@ -74,7 +74,7 @@ std::string vehicle_yaml(const RecordedConfig& recorded) {
 /// A configuration with only the section `vehicle:`.
 struct VehicleOnly {
   VehicleConfig vehicle;
-  void visit(ConfigVisitor& v) { v.section("vehicle", vehicle, "what all processes share about the vehicle"); }
+  void visit(ConfigVisitor& v) { v.section("vehicle", vehicle, "shared: the vehicle"); }
 };
 
 }  // namespace

@@ -118,9 +118,9 @@ Summary drive(output::WatchedLog& log, VehicleLine& vehicle) {
       continue;
     }
     order.push(std::move(*event));
-    while (auto ready = order.pop(false)) deliver(std::move(*ready));
+    while (auto ready = order.pop()) deliver(std::move(*ready));
   }
-  while (auto ready = order.pop(true)) deliver(std::move(*ready));
+  while (auto ready = order.pop_rest()) deliver(std::move(*ready));
   vehicle.finish();
   configs.say_all();
   return summary;

@@ -52,8 +52,7 @@ void StageLine::finish() {
 Counters StageLine::bus_counters() const {
   Counters counters;
   for (const auto& place : places_) {
-    const Counters of_group = place->group->bus().counters();
-    for (const auto& [name, value] : of_group.values()) counters.add(name, value);
+    counters.add(place->group->bus().counters());
   }
   return counters;
 }

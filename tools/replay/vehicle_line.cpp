@@ -12,7 +12,7 @@ constexpr std::int64_t kBeat = 250'000;        // us; the mapper publishes its c
 constexpr int kMapperBeats = 1;                // between two ticks
 constexpr int kOtherBeats = 8;                 // likewise; rare, so that each tile is computed once (at 3 s a voting
                                                // worker takes the mapper for silent)
-constexpr std::int64_t kLongestGap = 50;       // beats; longer gaps in the log are not ticked through
+constexpr std::int64_t kMaxGap = 50;           // beats; longer gaps in the log are not ticked through
 constexpr std::int64_t kMaxMessages = 20'000;  // per beat; for a log whose time stands still
 
 enum Group : std::size_t { kMapping, kVoting, kSemantics, kNumGroups };
@@ -50,7 +50,7 @@ void VehicleLine::note(std::string channel, std::vector<std::uint8_t> bytes) {
 
 void VehicleLine::advance(std::int64_t now) {
   if (last_beat_ == 0) last_beat_ = now;
-  if (std::abs(now - last_beat_) > kLongestGap * kBeat) last_beat_ = now - kBeat;
+  if (std::abs(now - last_beat_) > kMaxGap * kBeat) last_beat_ = now - kBeat;
   if (++messages_ > kMaxMessages) {
     messages_ = 0;
     line_->beat(last_beat_, false);

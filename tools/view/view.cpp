@@ -52,7 +52,7 @@ class Playing {
     if (order.pause) paused_ = *order.pause;
     if (order.speed) speed_ = *order.speed;
     if (order.position) {
-      const auto place = static_cast<std::int64_t>(std::min(*order.position, kLongest) * 1e6);
+      const auto place = static_cast<std::int64_t>(std::min(*order.position, kMaxTime) * 1e6);
       if (place < drive_->position()) {
         drive_ = std::make_unique<Drive>(logs_, shown_);
         node.restart();
@@ -75,7 +75,7 @@ class Playing {
   [[nodiscard]] const Drive& drive() const { return *drive_; }
 
  private:
-  static constexpr double kLongest = 1e6;  // s
+  static constexpr double kMaxTime = 1e6;  // s
 
   std::vector<std::string> logs_;
   LocalBus& shown_;

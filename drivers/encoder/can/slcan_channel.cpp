@@ -193,7 +193,7 @@ std::vector<std::string> SlcanChannel::faults() const {
 
 Counters SlcanChannel::counters() const {
   Counters counters = counters_;
-  for (const auto& [name, value] : parser_.counters().values()) counters.add(name, value);
+  counters.add(parser_.counters());
   return counters;
 }
 

@@ -31,8 +31,7 @@ void SlcanLink::attach(EventLoop& loop, Handlers handlers) {
 }
 
 void SlcanLink::report(NodeReport& report) const {
-  const Counters counters = channel_.counters();
-  for (const auto& [name, value] : counters.values()) report.counters.add(name, value);
+  report.counters.add(channel_.counters());
   serial_.report(report);
   if (!port_up_) return;
   for (std::string& fault : channel_.faults()) report.faults.push_back(std::move(fault));

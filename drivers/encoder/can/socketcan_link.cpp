@@ -265,7 +265,7 @@ void SocketCanLink::send(const CanFrame& frame) {
 }
 
 void SocketCanLink::report(NodeReport& report) const {
-  for (const auto& [name, value] : counters_.values()) report.counters.add(name, value);
+  report.counters.add(counters_);
   if (!bus_off_) return;
   report.faults.push_back(fmt::format("CAN interface {} is bus-off: cable, terminator or bit rate{}", interface_,
                                       restart_failed_.empty() ? "" : "; it cannot be restarted: " + restart_failed_));

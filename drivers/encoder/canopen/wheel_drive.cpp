@@ -61,7 +61,7 @@ std::vector<std::uint32_t> WheelDrive::ids(std::uint8_t node) {
 
 Counters WheelDrive::counters() const {
   Counters counters = counters_;
-  for (const auto& [name, value] : sdo_.counters().values()) counters.add(name, value);
+  counters.add(sdo_.counters());
   return counters;
 }
 

@@ -167,7 +167,7 @@ void ModbusLink::on_readable() {
 
 void ModbusLink::report(NodeReport& report) const {
   const std::lock_guard lock(mutex_);
-  for (const auto& [name, value] : counters_.values()) report.counters.add(name, value);
+  report.counters.add(counters_);
   if (dropped_ > 0) report.counters.add("dropped.queue", dropped_);
   if (!fault_.empty()) report.faults.push_back(fault_);
   if (share_fault_) report.faults.push_back(*share_fault_);

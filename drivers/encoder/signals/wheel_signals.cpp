@@ -40,7 +40,7 @@ void WheelSignals::learn(std::size_t wheel, std::int64_t time) {
   if (newest_ && *newest_ != wheel && time >= newest_time_) {
     Pause& pause = pauses_[wheel];
     pause.count = std::min(pause.count + 1, kLearn);
-    const double most = knows_cycle() ? kLongest * cycle() : pause_;  // the host was late
+    const double most = knows_cycle() ? kMaxPause * cycle() : pause_;  // the host was late
     pause.mean += (std::min(pause_, most) - pause.mean) / pause.count;
     const Pause& first = pauses_[*leads_];
     const Pause& second = pauses_[1 - *leads_];

@@ -46,10 +46,10 @@ class WheelSignals {
     int count = 0;    // at most kLearn
   };
   static constexpr int kLearn = 16;
-  static constexpr double kClearly = 2;  // times as long
-  static constexpr double kAtOnce = 3;   // likewise, while little has been learnt
-  static constexpr double kLongest = 2;  // cycles, maximum length of a pause
-  static constexpr double kApart = 0.9;  // cycles later than usual: beyond it the halves are not of one sample
+  static constexpr double kClearly = 2;   // times as long
+  static constexpr double kAtOnce = 3;    // likewise, while little has been learnt
+  static constexpr double kMaxPause = 2;  // cycles, maximum length of a pause
+  static constexpr double kApart = 0.9;   // cycles later than usual: beyond it the halves are not of one sample
 
   void learn(std::size_t wheel, std::int64_t time);
   [[nodiscard]] bool knows_cycle() const { return std::min(pauses_[0].count, pauses_[1].count) >= kLearn / 2; }

@@ -42,9 +42,7 @@ void FileLink::deliver(const TraceFile::Frame& frame) {
 }
 
 void FileLink::report(NodeReport& report) const {
-  for (const Counters* counters : {&file_.counters(), &counters_}) {
-    for (const auto& [name, value] : counters->values()) report.counters.add(name, value);
-  }
+  for (const Counters* counters : {&file_.counters(), &counters_}) report.counters.add(*counters);
   if (time_.jumps() > 0) report.counters.set("trace.jumps", time_.jumps());
 }
 

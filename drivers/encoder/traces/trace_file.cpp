@@ -16,13 +16,13 @@ namespace curbstone::encoder::traces {
 
 namespace {
 
-constexpr std::size_t kHeading = 1000;     // lines
-constexpr std::size_t kLongestLine = 512;  // characters
-constexpr std::size_t kLongestQuote = 60;  // characters
+constexpr std::size_t kHeading = 1000;  // lines
+constexpr std::size_t kMaxLine = 512;   // characters
+constexpr std::size_t kMaxQuote = 60;   // characters
 
 /// A line as an error message quotes it.
 std::string quoted(std::string_view line) {
-  std::string text(line.substr(0, std::min(line.find_last_not_of(" \t\r") + 1, kLongestQuote)));
+  std::string text(line.substr(0, std::min(line.find_last_not_of(" \t\r") + 1, kMaxQuote)));
   for (char& c : text) {
     if (c < ' ' || c > '~') c = c == '\t' ? ' ' : '?';
   }
@@ -113,7 +113,7 @@ bool TraceFile::read_from_file(std::string& text) {
   text.clear();
   for (int c = file_.get(); c != EOF; c = file_.get()) {
     if (c == '\n') return true;
-    if (text.size() < kLongestLine) text.push_back(static_cast<char>(c));
+    if (text.size() < kMaxLine) text.push_back(static_cast<char>(c));
   }
   return !text.empty();
 }

@@ -10,9 +10,9 @@ namespace {
 
 constexpr std::int64_t kDay = 864'000'000;  // ticks
 constexpr std::int64_t kFull = std::int64_t{1} << 32;
-constexpr std::int64_t kLongestInterval = 10'000;  // ticks, a second
-constexpr std::int64_t kRounding = 2;              // ticks: the device rounds at both ends of a step
-constexpr std::size_t kFewestSteps = 3;
+constexpr std::int64_t kMaxInterval = 10'000;  // ticks, a second
+constexpr std::int64_t kRounding = 2;          // ticks: the device rounds at both ends of a step
+constexpr std::size_t kMinSteps = 3;
 
 }  // namespace
 
@@ -91,10 +91,10 @@ double SampleTime::interval() const {
 
 /// The interval is the median step. The tolerance follows the third largest deviation: one wrong time causes two.
 void SampleTime::learn(std::int64_t step) {
-  if (step <= 0 || step > kLongestInterval) return;
+  if (step <= 0 || step > kMaxInterval) return;
   steps_[learned_++ % steps_.size()] = step;
   const std::size_t n = std::min(learned_, steps_.size());
-  if (n < kFewestSteps) return;
+  if (n < kMinSteps) return;
   auto sorted = steps_;
   const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(n);
   std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(n / 2), end);

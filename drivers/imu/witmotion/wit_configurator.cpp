@@ -16,11 +16,11 @@ struct Rate {
   std::uint8_t code;
 };
 constexpr std::array<Rate, 7> kRates = {{{1, 3}, {2, 4}, {5, 5}, {10, 6}, {20, 7}, {50, 8}, {100, 9}}};
-constexpr Rate kFastest = {200, 0xB};
+constexpr Rate kMaxRate = {200, 0xB};
 
 /// The fastest rate that is not above `hz`.
 Rate rate_for(int hz) {
-  if (hz >= kFastest.hz) return kFastest;
+  if (hz >= kMaxRate.hz) return kMaxRate;
   Rate best = kRates[0];
   for (const Rate& rate : kRates) best = rate.hz <= hz ? rate : best;
   return best;

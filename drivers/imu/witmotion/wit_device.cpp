@@ -181,9 +181,7 @@ void WitDevice::on_link(std::int64_t now, bool up) {
 
 Counters WitDevice::counters() const {
   Counters all = counters_;
-  for (const Counters* more : {&parser_.counters(), &configurator_.counters()}) {
-    for (const auto& [name, value] : more->values()) all.add(name, value);
-  }
+  for (const Counters* more : {&parser_.counters(), &configurator_.counters()}) all.add(*more);
   return all;
 }
 

@@ -16,13 +16,13 @@ class IncrementInterval {
  public:
   /// A message with SampleTime `ticks` of 0.1 ms has the increment.
   void seen(std::uint32_t ticks) {
-    if (last_ && ticks > *last_ && ticks - *last_ <= kLongest) steps_[count_++ % kSteps] = ticks - *last_;
+    if (last_ && ticks > *last_ && ticks - *last_ <= kMaxInterval) steps_[count_++ % kSteps] = ticks - *last_;
     last_ = ticks;
   }
   /// Sample intervals of `interval` us: n, or 1/n if the increment comes more often than samples. Empty if it is not
   /// known yet.
   [[nodiscard]] std::optional<double> samples(double interval) const {
-    if (count_ < kFewest || interval <= 0) return {};
+    if (count_ < kMinSteps || interval <= 0) return {};
     auto sorted = steps_;
     const std::size_t n = std::min(count_, kSteps);
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(n / 2);
@@ -33,9 +33,9 @@ class IncrementInterval {
   void restart() { *this = {}; }
 
  private:
-  static constexpr std::uint32_t kLongest = 10'000;  // ticks, a second
+  static constexpr std::uint32_t kMaxInterval = 10'000;  // ticks, a second
   static constexpr std::size_t kSteps = 15;
-  static constexpr std::size_t kFewest = 3;
+  static constexpr std::size_t kMinSteps = 3;
 
   std::optional<std::uint32_t> last_;
   std::array<std::uint32_t, kSteps> steps_{};  // ticks

@@ -133,9 +133,7 @@ void XsensDevice::on_link(std::int64_t now, bool up) {
 
 Counters XsensDevice::counters() const {
   Counters all = counters_;
-  for (const Counters* more : {&parser_.counters(), &configurator_.counters()}) {
-    for (const auto& [name, value] : more->values()) all.add(name, value);
-  }
+  for (const Counters* more : {&parser_.counters(), &configurator_.counters()}) all.add(*more);
   return all;
 }
 

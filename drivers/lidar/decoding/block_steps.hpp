@@ -34,4 +34,9 @@ inline constexpr std::size_t kMaxBlocks = 12;
 [[nodiscard]] BlockSteps block_steps(std::span<const std::uint16_t> azimuths, const BlindZone& blind_zone,
                                      double block_period, std::span<BlockSpan> spans);
 
+/// Reports a packet without steady steps to the blind zone: the next stamp will show whether its gap is one. `stamp`:
+/// us, if it is valid; `blocks`: number of azimuths of the packet; `block_period`: s.
+void suspect_blind_zone(const BlockSteps& steps, std::optional<std::int64_t> stamp, std::size_t blocks,
+                        double block_period, BlindZone& blind_zone);
+
 }  // namespace curbstone::lidar::decoding

@@ -22,7 +22,7 @@ constexpr std::uint32_t kSimplePacket = 3;
 constexpr std::uint32_t kEnhancedPacket = 6;
 constexpr std::uint32_t kMagic = 0x1A2B3C4D;
 constexpr std::uint16_t kResolution = 9, kOffset = 14;  // options of an interface
-constexpr std::uint32_t kLongestBlock = 16'000'000;     // bytes, as libpcap
+constexpr std::uint32_t kMaxBlock = 16'000'000;         // bytes, as libpcap
 constexpr int kMicro = 6;
 
 std::uint64_t power_of_ten(int exponent) {
@@ -84,7 +84,7 @@ bool PcapngReader::read_head() {
     if (number<std::uint32_t>(body_) != kMagic) damaged("a section without its magic number");
   }
   const auto length = number<std::uint32_t>(std::span<const std::uint8_t>(head).subspan(4));
-  if (length < 12 + body_.size() || length > kLongestBlock) damaged(fmt::format("a block of {} bytes", length));
+  if (length < 12 + body_.size() || length > kMaxBlock) damaged(fmt::format("a block of {} bytes", length));
   head_ = Head{type, (length + 3) / 4 * 4 - 12};
   return true;
 }
@@ -175,9 +175,9 @@ PcapngReader::Frame PcapngReader::frame_of(std::size_t interface, std::uint64_t 
     frame.microseconds = static_cast<std::int64_t>(rest * power_of_ten(kMicro - of.exponent));
   else
     frame.microseconds = static_cast<std::int64_t>(rest / power_of_ten(of.exponent - kMicro));
-  constexpr std::uint64_t kMost = std::numeric_limits<std::int64_t>::max() / 4;
-  const std::int64_t offset = std::clamp<std::int64_t>(of.offset, -static_cast<std::int64_t>(kMost), kMost);
-  frame.seconds = static_cast<std::int64_t>(std::min(seconds, kMost)) + offset;
+  constexpr std::uint64_t kMaxTime = std::numeric_limits<std::int64_t>::max() / 4;
+  const std::int64_t offset = std::clamp<std::int64_t>(of.offset, -static_cast<std::int64_t>(kMaxTime), kMaxTime);
+  frame.seconds = static_cast<std::int64_t>(std::min(seconds, kMaxTime)) + offset;
   return frame;
 }
 

@@ -60,7 +60,7 @@ struct WheelsConfig {
     v.field("scale_sigma", scale_sigma, {0.0, 0.5}, "1 sigma of an error that both radii share; 0: exact");
     v.field("mismatch_sigma", mismatch_sigma, {0.0, 0.5}, "1 sigma of each radius on its own; 0: exact");
     v.field("track_sigma", track_sigma, {0.0, 0.5}, "1 sigma of the track width, relative; 0: exact");
-    v.field("max_speed", max_speed, {0.1, 200.0}, "m/s, a wheel that claims more is not believed");
+    v.field("max_speed", max_speed, {0.1, 200.0}, "m/s, a faster wheel is refused");
   }
 };
 
@@ -76,7 +76,7 @@ struct StandstillConfig {
   double rate_noise = 3e-5;        ///< rad/s/sqrt(Hz), noise of the zero-rate update in addition to the gyro's own
 
   void visit(ConfigVisitor& v) {
-    v.field("window", window, {0.1, 10.0}, "s that must have been quiet");
+    v.field("window", window, {0.1, 10.0}, "s that must be quiet");
     v.field("travel", travel, {1e-6, 0.1}, "m, at most, that each wheel moved in the window");
     v.field("gyro_std", gyro_std, {1e-4, 1.0}, "rad/s, at most, standard deviation in the window, each axis");
     v.field("acceleration_std", acceleration_std, {1e-3, 10.0}, "m/s^2, at most, standard deviation, each axis");
@@ -156,8 +156,8 @@ struct SpreadConfig {
   double turning = 0.01;  ///< rad/s while moving: a rate that a gyro with an unknown bias may show as well
 
   void visit(ConfigVisitor& v) {
-    v.field("share", share, {0.0, 1.0}, "m a metre driven by which odom makes up for corrections of its place");
-    v.field("turning", turning, {0.0, 1.0}, "rad/s, while moving, by which it makes up for those of its heading");
+    v.field("share", share, {0.0, 1.0}, "m per metre driven by which odom approaches a corrected position");
+    v.field("turning", turning, {0.0, 1.0}, "rad/s, while moving, by which it approaches a corrected heading");
   }
 };
 
@@ -191,18 +191,19 @@ struct EkfConfig {
   MapFusionConfig map;
 
   void visit(ConfigVisitor& v) {
-    v.section("vehicle", vehicle, "what all processes share about the vehicle");
+    v.section("vehicle", vehicle, "shared: the vehicle");
     v.section("timing", timing, "order of messages, gaps and jumps");
     v.section("start", start, "how the filter starts");
     v.section("noise", noise, "what disturbs the prediction");
     v.section("wheels", wheels, "what wheels measure");
     v.section("standstill", standstill, "when the vehicle stands");
-    v.section("slip", slip, "when wheels are not believed");
-    v.section("spread", spread, "how odom takes corrections of place and heading: not in jumps");
+    v.section("slip", slip, "when wheels are refused");
+    v.section("spread", spread, "how odom follows corrections of position and heading without jumps");
     v.field("state_file", state_file,
-            "on a tmpfs: what the filter believes, for the next one if it is killed; or empty");
+            "file on a tmpfs for the filter's state, from which the next process continues if this one is killed; "
+            "empty: none");
     v.field("fuse_map", fuse_map, "take MAP_POSE back as a correction of speed, biases and wheels");
-    v.section("map", map, "how the mapper's poses are taken back");
+    v.section("map", map, "how the mapper's poses are used");
   }
 };
 

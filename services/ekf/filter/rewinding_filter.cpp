@@ -24,7 +24,7 @@ RewindingFilter::Key RewindingFilter::key_of(const Sample& sample) {
 
 Counters RewindingFilter::counters() const {
   Counters all = counters_;
-  for (const auto& [name, value] : filter_.counters().values()) all.add(name, value);
+  all.add(filter_.counters());
   return all;
 }
 

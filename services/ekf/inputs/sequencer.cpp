@@ -88,11 +88,20 @@ void Sequencer::on_clock_set_back(Channel<T>& own, Channel<Other>& other) {
   processed_ = kNever;
 }
 
+bool Sequencer::are_wheels_next() const {
+  return imu_.queue.empty() || (!wheels_.queue.empty() && wheels_.queue.front().utime <= imu_.queue.front().utime);
+}
+
 template <class T, class Other>
-std::optional<Sequencer::Sample> Sequencer::pop_front(Channel<T>& own, const Channel<Other>& other, bool drain) {
+bool Sequencer::is_due(const Channel<T>& own, const Channel<Other>& other) const {
   const std::int64_t due = own.queue.front().utime;
-  const bool ready = drain || other.newest >= due || own.newest - due >= hold_;
-  if (!ready) return std::nullopt;
+  return other.newest >= due || own.newest - due >= hold_;
+}
+
+/// The first sample of a channel, or a map increment that goes before it.
+template <class T>
+Sequencer::Sample Sequencer::pop_front(Channel<T>& own) {
+  const std::int64_t due = own.queue.front().utime;
   processed_ = std::max(processed_, due);
   if (!increments_.empty() && increments_.front().utime < due) {
     Sample increment = increments_.front().sample;
@@ -104,11 +113,15 @@ std::optional<Sequencer::Sample> Sequencer::pop_front(Channel<T>& own, const Cha
   return sample;
 }
 
-std::optional<Sequencer::Sample> Sequencer::pop(bool drain) {
-  if (imu_.queue.empty() && wheels_.queue.empty()) return std::nullopt;
-  const bool wheels_first =
-      imu_.queue.empty() || (!wheels_.queue.empty() && wheels_.queue.front().utime <= imu_.queue.front().utime);
-  return wheels_first ? pop_front(wheels_, imu_, drain) : pop_front(imu_, wheels_, drain);
+std::optional<Sequencer::Sample> Sequencer::pop() {
+  if (empty()) return std::nullopt;
+  const bool due = are_wheels_next() ? is_due(wheels_, imu_) : is_due(imu_, wheels_);
+  return due ? pop_rest() : std::nullopt;
+}
+
+std::optional<Sequencer::Sample> Sequencer::pop_rest() {
+  if (empty()) return std::nullopt;
+  return are_wheels_next() ? pop_front(wheels_) : pop_front(imu_);
 }
 
 }  // namespace curbstone::ekf::inputs

@@ -39,8 +39,10 @@ class Sequencer {
   void push(const MapIncrement& increment);
   /// Drops waiting wheel samples with later stamps: they belong to another clock.
   void drop_wheels_after(std::int64_t utime);
-  /// Returns the next sample that is due; with `drain`, without waiting for the other sensor.
-  [[nodiscard]] std::optional<Sample> pop(bool drain = false);
+  /// Returns the next sample, if it is due.
+  [[nodiscard]] std::optional<Sample> pop();
+  /// Returns the next sample without waiting for the other sensor: the drive is over.
+  [[nodiscard]] std::optional<Sample> pop_rest();
 
   /// Newest accepted stamp of either sensor, us; the smallest number if there is none.
   [[nodiscard]] std::int64_t newest() const { return std::max(imu_.newest, wheels_.newest); }
@@ -66,8 +68,13 @@ class Sequencer {
   void take(Channel<T>& own, Channel<Other>& other, const T& sample);
   template <class T, class Other>
   void on_clock_set_back(Channel<T>& own, Channel<Other>& other);
+  [[nodiscard]] bool empty() const { return imu_.queue.empty() && wheels_.queue.empty(); }
+  /// Which channel has the next sample. Not if empty().
+  [[nodiscard]] bool are_wheels_next() const;
   template <class T, class Other>
-  [[nodiscard]] std::optional<Sample> pop_front(Channel<T>& own, const Channel<Other>& other, bool drain);
+  [[nodiscard]] bool is_due(const Channel<T>& own, const Channel<Other>& other) const;
+  template <class T>
+  [[nodiscard]] Sample pop_front(Channel<T>& own);
 
   std::int64_t hold_;     // us
   std::int64_t history_;  // us

@@ -8,7 +8,7 @@ namespace curbstone::ekf::inputs {
 namespace {
 
 constexpr double kBraking = 60.0;     // rad/s^2, of a wheel: 10 m/s^2 at 0.17 m
-constexpr double kSlowestStop = 0.3;  // s: a wheel that would need longer has leapt and did not turn
+constexpr double kMaxStopTime = 0.3;  // s: a wheel that would need longer has leapt and did not turn
 constexpr double kMaxAge = 0.5;       // s, longest age of an angle: beyond it the wheel's state is unknown
 constexpr double kMinTurn = 0.01;     // rad between two changes: 7 steps of 4096; less is a slow wheel's next step
 constexpr double kAlikeShare = 0.3;   // share by which gaps of one period may differ: they end on a sample
@@ -42,7 +42,7 @@ bool StaleCounts::is_stale(const base::WheelSample& sample) {
   if (since < kMaxAge) {
     for (std::size_t i = 0; i < 2; ++i) {
       const bool same = sample.angle[i] == used_->angle[i];
-      const double stops_in = std::min(std::abs(rate_[i]) / kBraking, kSlowestStop);
+      const double stops_in = std::min(std::abs(rate_[i]) / kBraking, kMaxStopTime);
       if (same && rate_[i] != 0 && since < std::max(stops_in, renewals_[i].period)) return true;
     }
   }

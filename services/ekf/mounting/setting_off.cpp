@@ -11,12 +11,12 @@ namespace curbstone::ekf::mounting {
 
 namespace {
 
-constexpr double kStill = 0.004;             // m of a wheel's travel
-constexpr double kUnnoticed = 0.5;           // s for which it may have moved before the wheels' travel shows it
-constexpr double kMaxGap = 0.1;              // s between samples of the IMU
-constexpr double kMaxWheelGap = 0.5;         // s, likewise
-constexpr double kOtherTurn = 0.2;           // rad by which the wheels may turn otherwise than the gyro
-constexpr double kLeast = 0.6, kMost = 1.6;  // way of the IMU as a multiple of the wheels'
+constexpr double kStill = 0.004;      // m of a wheel's travel
+constexpr double kUnnoticed = 0.5;    // s for which it may have moved before the wheels' travel shows it
+constexpr double kMaxGap = 0.1;       // s between samples of the IMU
+constexpr double kMaxWheelGap = 0.5;  // s, likewise
+constexpr double kOtherTurn = 0.2;    // rad by which the wheels may turn otherwise than the gyro
+constexpr double kMinWayRatio = 0.6, kMaxWayRatio = 1.6;  // way of the IMU as a multiple of the wheels'
 
 }  // namespace
 
@@ -131,7 +131,8 @@ std::optional<double> SettingOff::measured(double left, double right) const {
   const std::complex<double> expected(0.5 * (left + right) - turn_ * lever_.y(), turn_ * lever_.x());
   if (noise_of_way() > kMaxSigma * std::abs(expected)) return {};
   const double gain = std::abs(way_) / std::abs(expected);
-  if (std::abs((right - left) / track_ - turn_) > kOtherTurn || !(gain > kLeast && gain < kMost)) return {};
+  if (std::abs((right - left) / track_ - turn_) > kOtherTurn || !(gain > kMinWayRatio && gain < kMaxWayRatio))
+    return {};
   return std::arg(expected / way_);
 }
 

@@ -22,7 +22,7 @@ struct MonteCarloConfig {
     v.field("particles", particles, {10, 100'000}, "at most");
     v.field("min_particles", min_particles, {10, 100'000}, "at least, where that is less");
     v.field("beams", beams, {1, 2000}, "points of a revolution that are compared with the map");
-    v.field("sigma_hit", sigma_hit, {0.001, 2.0}, "m, 1 sigma of a point on something upright against the map");
+    v.field("sigma_hit", sigma_hit, {0.001, 2.0}, "m, 1 sigma of a point on an upright object relative to the map");
     v.field("z_hit", z_hit, {0.0, 1.0}, "weight of points that the map explains");
     v.field("z_rand", z_rand, {0.0, 1.0}, "likelihood of a point that it does not");
     v.field("kld_error", kld_error, {0.001, 1.0}, "most that the particles' distribution may differ from the true one");

@@ -22,15 +22,15 @@ struct AtlasConfig {
   int max_nodes = 20'000;
 
   void visit(ConfigVisitor& v) {
-    v.field("spacing", spacing, {0.2, 20.0}, "m between nodes");
-    v.field("node_voxel", node_voxel, {0.05, 2.0}, "m, a node's scan is thinned to one point a voxel");
-    v.field("node_range", node_range, {5.0, 65.0}, "m, of a node's scan");
+    v.field("spacing", spacing, {0.2, 20.0}, "m of new ground between keyframes");
+    v.field("node_voxel", node_voxel, {0.05, 2.0}, "m, the scan of a keyframe is thinned to one point per voxel");
+    v.field("node_range", node_range, {5.0, 65.0}, "m, farther points of a keyframe's scan are not kept");
     v.field("connected", connected, {10.0, 10'000.0},
-            "m along the graph, within which drift does not matter to registration");
+            "m along the graph within which drift does not disturb registration");
     v.field("step_m", step_m, {1e-4, 1.0}, "m, 1 sigma of an edge of one metre; grows with the root of the length");
-    v.field("step_rad", step_rad, {1e-6, 0.1}, "rad, 1 sigma of an edge of one metre, likewise");
+    v.field("step_rad", step_rad, {1e-6, 0.1}, "rad, likewise");
     v.field("max_nodes", max_nodes, {100, 1'000'000},
-            "that keep their scan while no disk takes it; beyond, the farthest lose theirs");
+            "keyframes that keep their scan while no disk takes it; beyond that the farthest lose theirs");
   }
 };
 

@@ -28,25 +28,28 @@ struct DenseConfig {
   [[nodiscard]] double settled_after() const { return std::max(settle_s, persistence_s) + 0.2; }
 
   void visit(ConfigVisitor& v) {
-    v.field("voxel", voxel, {0.02, 0.5}, "m, one point each; a whole number of 2 mm steps that divides 3 m");
+    v.field("voxel", voxel, {0.02, 0.5}, "m, one point per voxel; a whole number of 2 mm steps that divides 3 m");
     v.field("max_range", max_range, {2.0, 100.0}, "m, horizontally from base_link; farther points are too noisy");
     v.field("min_height", min_height, {-20.0, 0.0}, "m above base_link");
     v.field("max_height", max_height, {0.0, 30.0}, "m above base_link");
     v.field("settle_hits", settle_hits, {1, 100}, "hits whose mean becomes the voxel's point");
-    v.field("settle_s", settle_s, {0.0, 10.0}, "s after which fewer hits do");
-    v.field("ground_clearance", ground_clearance, {0.05, 5.0}, "m above its column's lowest point: may be moving");
-    v.field("persistence_s", persistence_s, {0.0, 60.0}, "s for which what may be moving must have stayed");
+    v.field("settle_s", settle_s, {0.0, 10.0}, "s after which fewer hits suffice");
+    v.field("ground_clearance", ground_clearance, {0.05, 5.0},
+            "m above the lowest point of its column, from which on a point may be moving");
+    v.field("persistence_s", persistence_s, {0.0, 60.0},
+            "s for which a place must be occupied before a point that may be moving is added");
     v.field("start_hold_s", start_hold_s, {0.0, 600.0},
-            "s for which the first standstill has a map of its own, which ends when the vehicle moves");
-    v.field("standing_s", standing_s, {0.0, 600.0}, "s at one place after which nothing new is added");
-    v.field("free_range", free_range, {0.0, 50.0}, "m within which what beams pass through is taken out; 0: never");
+            "s for which the first standstill has a map of its own, unless the vehicle moves before");
+    v.field("standing_s", standing_s, {0.0, 600.0}, "s of standstill after which nothing new is added");
+    v.field("free_range", free_range, {0.0, 50.0},
+            "m within which points that beams pass through are removed; 0: never");
     v.field("ring_scale", ring_scale, "intensities of all rings on one scale, learned on the road: its median is 64");
     v.field("awake", awake, {0.0, 1000.0},
-            "m beyond max_range; tiles farther off sleep: they keep nothing but records");
+            "m beyond max_range; tiles farther from the vehicle sleep: only their records are kept");
     v.field("asleep_here", asleep_here, {0, 1'000'000},
-            "tiles that sleep in memory; the others' records are packed away");
+            "sleeping tiles that stay in memory; the records of the others are packed into the file of far tiles");
     v.field("max_points", max_points, {100'000, 500'000'000},
-            "of those that memory holds while no disk takes far ones; beyond, the farthest tiles are given up");
+            "points in memory while no disk takes far tiles; beyond that the farthest tiles are dropped");
   }
 };
 

@@ -20,20 +20,20 @@ struct IcpConfig {
 
   void visit(ConfigVisitor& v) {
     v.field("source_voxel", source_voxel, {0.02, 2.0},
-            "m, the revolution is thinned to one point a voxel; dense is better on 16 beams");
-    v.field("max_range", max_range, {2.0, 200.0}, "m, points beyond are not used");
-    v.field("window", window, {10.0, 500.0}, "m, the map for registration is kept within this of the vehicle");
+            "m, the scan is thinned to one point per voxel; dense is better with 16 beams");
+    v.field("max_range", max_range, {2.0, 200.0}, "m, farther points are not used");
+    v.field("window", window, {10.0, 500.0}, "m, half size of the registration map around the vehicle");
     v.field("fine_voxel", fine_voxel, {0.05, 2.0}, "m, of the planes");
-    v.field("coarse_voxel", coarse_voxel, {0.1, 10.0},
-            "m, of the planes where points are too sparse for the fine ones");
+    v.field("coarse_voxel", coarse_voxel, {0.1, 10.0}, "m, of the planes where points are too sparse for fine ones");
     v.field("sensor_sigma", sensor_sigma, {0.001, 0.5}, "m, noise of a range");
-    v.field("kernel", kernel, {0.005, 1.0}, "m, Huber's bound, near the sensor's noise");
-    v.field("search", search, {0.05, 5.0}, "m, to a plane at the first iteration, without a good prior");
+    v.field("kernel", kernel, {0.005, 1.0}, "m, bound of the Huber kernel, near the noise of the sensor");
+    v.field("search", search, {0.05, 5.0},
+            "m, search distance to a plane in the first iteration, if the prior is poor");
     v.field("min_grazing", min_grazing, {0.0, 0.5},
-            "sine of the mean angle between rays and a plane, below: no surface");
-    v.field("max_iterations", max_iterations, {1, 200}, "of Gauss-Newton");
+            "sine of the mean angle between rays and a plane; with less it is no surface");
+    v.field("max_iterations", max_iterations, {1, 200}, "Gauss-Newton iterations");
     v.field("degenerate_below", degenerate_below, {0.0, 0.5},
-            "share of the constraint (0..1), under which a direction follows the prior");
+            "share of the constraint below which a direction is degenerate and follows the prior");
   }
 };
 

@@ -25,22 +25,23 @@ struct LoamConfig {
   double degenerate_below = 0.001;
 
   void visit(ConfigVisitor& v) {
-    v.field("edge_bend", edge_bend, {0.005, 1.0}, "m off its neighbours' mean, from which a point is an edge");
-    v.field("plane_bend", plane_bend, {0.005, 1.0}, "m off it, below which a point is plane");
-    v.field("sectors", sectors, {1, 60}, "of a ring, for an even choice");
+    v.field("edge_bend", edge_bend, {0.005, 1.0},
+            "m from the mean of its neighbours, from which on a point is an edge");
+    v.field("plane_bend", plane_bend, {0.005, 1.0}, "m from that mean, below which a point is plane");
+    v.field("sectors", sectors, {1, 60}, "sectors of a ring, from each of which features are chosen");
     v.field("edges_per_sector", edges_per_sector, {1, 1000}, "at most");
-    v.field("planes_per_sector", planes_per_sector, {1, 10000}, "at most, for registration; the map takes all");
-    v.field("plane_voxel", plane_voxel, {0.02, 2.0}, "m, plane features are thinned to one a voxel");
-    v.field("max_range", max_range, {2.0, 200.0}, "m, points beyond are not used");
-    v.field("window", window, {10.0, 500.0}, "m, the maps are kept within this of the vehicle");
+    v.field("planes_per_sector", planes_per_sector, {1, 10000}, "at most, for registration; the map takes all of them");
+    v.field("plane_voxel", plane_voxel, {0.02, 2.0}, "m, plane features are thinned to one per voxel");
+    v.field("max_range", max_range, {2.0, 200.0}, "m, farther points are not used");
+    v.field("window", window, {10.0, 500.0}, "m, half size of the maps around the vehicle");
     v.field("fine_voxel", fine_voxel, {0.05, 2.0}, "m, of the planes");
-    v.field("coarse_voxel", coarse_voxel, {0.1, 10.0},
-            "m, of the planes where points are too sparse for the fine ones");
+    v.field("coarse_voxel", coarse_voxel, {0.1, 10.0}, "m, of the planes where points are too sparse for fine ones");
     v.field("edge_voxel", edge_voxel, {0.1, 10.0}, "m, of the edges");
     v.field("min_grazing", min_grazing, {0.0, 0.5}, "as of icp");
     v.field("sensor_sigma", sensor_sigma, {0.001, 0.5}, "m, noise of a range");
-    v.field("kernel", kernel, {0.5, 20.0}, "sigmas, Huber's bound");
-    v.field("search", search, {0.05, 5.0}, "m, to an edge or plane at the first round, without a good prior");
+    v.field("kernel", kernel, {0.5, 20.0}, "sigmas, bound of the Huber kernel");
+    v.field("search", search, {0.05, 5.0},
+            "m, search distance to an edge or plane in the first round, if the prior is poor");
     v.field("max_rounds", max_rounds, {1, 100}, "of matching");
     v.field("degenerate_below", degenerate_below, {0.0, 0.5}, "as of icp; few features point along a street");
   }

@@ -19,15 +19,15 @@ struct LoopConfig {
 
   void visit(ConfigVisitor& v) {
     v.field("close", close, "whether loops are closed");
-    v.field("look_every", look_every, {0.5, 100.0}, "m driven between looks for a place of long ago");
-    v.field("search", search, {0.5, 15.0}, "m, how far off an old place may seem");
-    v.field("search_drift", search_drift, {0.0, 0.2}, "m more for each m driven since");
-    v.field("max_search", max_search, {0.5, 15.0}, "m, but not more");
-    v.field("agree_m", agree_m, {0.01, 5.0}, "m to which two looks must agree");
-    v.field("agree_rad", agree_rad, {0.001, 1.0}, "rad to which they must");
-    v.field("within", within, {1.0, 100.0}, "m driven between those two at most");
-    v.field("max_sigma", max_sigma, {1.0, 100.0}, "by which an edge of the graph may be bent");
-    v.field("rearrange_m", rearrange_m, {0.0, 1.0}, "m that a node must move for the map to be made anew");
+    v.field("look_every", look_every, {0.5, 100.0}, "m driven between two searches for a loop");
+    v.field("search", search, {0.5, 15.0}, "m, search radius around the expected place");
+    v.field("search_drift", search_drift, {0.0, 0.2}, "m, increase of that radius for each m driven since");
+    v.field("max_search", max_search, {0.5, 15.0}, "m, largest search radius");
+    v.field("agree_m", agree_m, {0.01, 5.0}, "m to which two consecutive searches must agree");
+    v.field("agree_rad", agree_rad, {0.001, 1.0}, "rad, likewise");
+    v.field("within", within, {1.0, 100.0}, "m driven between these two searches, at most");
+    v.field("max_sigma", max_sigma, {1.0, 100.0}, "sigmas by which a loop may bend an edge of the graph");
+    v.field("rearrange_m", rearrange_m, {0.0, 1.0}, "m that a keyframe must move for the map to be rearranged");
   }
 };
 

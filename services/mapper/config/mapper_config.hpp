@@ -39,29 +39,31 @@ struct MapperConfig {
   DenseConfig dense;
 
   void visit(ConfigVisitor& v) {
-    v.field("threads", threads, {1, 2}, "2: the dense map is worked on beside registration");
+    v.field("threads", threads, {1, 2}, "2: the dense map is updated in a second thread, parallel to registration");
     v.choice("mode", mode, {{"map", MapMode::kMap}, {"extend", MapMode::kExtend}, {"localise", MapMode::kLocalise}},
-             "begins a new map in `folder`, goes on with the one there, or only uses it");
-    v.field("folder", folder, "the map on disk, written while driving and at the end; empty: not kept");
-    v.field("save_every", save_every, {0.0, 86400.0}, "s between two times that it is saved; 0: only at the end");
+             "begin a new map in `folder`, extend the one there, or only localise in it");
+    v.field("folder", folder, "folder of the map on disk, written during the drive and at its end; empty: none");
+    v.field("save_every", save_every, {0.0, 86400.0}, "s between two saves; 0: only at the end");
     v.field("journal", journal,
-            "a file from which the next mapper goes on with the drive if this one is killed; empty: none");
-    v.field("journal_mb", journal_mb, {1.0, 100000.0}, "MB that it may have: a town takes 0.17 a metre of new ground");
-    v.field("resume_within_s", resume_within_s, {1.0, 600.0}, "s after which nobody goes on with it");
+            "file from which the next mapper continues the drive if this one is killed; empty: none");
+    v.field("journal_mb", journal_mb, {1.0, 100000.0},
+            "MB, largest size of the journal; a town takes 0.17 per metre of new ground");
+    v.field("resume_within_s", resume_within_s, {1.0, 600.0}, "s, age beyond which a journal is not continued");
     v.field("far_folder", far_folder,
-            "on a disk: a file there, without a name, holds what is far from the vehicle; empty: memory does, packed");
-    v.field("keep_free", keep_free, {0.0, 1e6}, "GB of that disk that it leaves free; then memory holds the rest");
-    v.field("start_x", start_x, {-1e6, 1e6}, "m in that map, where the drive begins");
+            "folder on a disk, for an unnamed file with what is far from the vehicle; empty: kept in memory, packed");
+    v.field("keep_free", keep_free, {0.0, 1e6}, "GB of that disk that stay free; beyond that far tiles stay in memory");
+    v.field("start_x", start_x, {-1e6, 1e6}, "m, start position in that map");
     v.field("start_y", start_y, {-1e6, 1e6}, "m");
     v.field("start_yaw", start_yaw, {-7.0, 7.0}, "rad");
-    v.field("start_radius", start_radius, {0.0, 1e6}, "m, how well that is known; found by searching");
+    v.field("start_radius", start_radius, {0.0, 1e6},
+            "m, uncertainty of the start position; the vehicle is searched for within it");
     v.field("odometry_wait_s", odometry_wait_s, {0.02, 5.0},
-            "s of lidar time that a revolution waits for odometry; the next ones 0.25 at most, until it is back");
-    v.field("start_wait_s", start_wait_s, {0.02, 60.0}, "s of lidar time that the first one waits");
+            "s of lidar time that a scan waits for odometry; after a wait in vain 0.25 at most, until it is back");
+    v.field("start_wait_s", start_wait_s, {0.02, 60.0}, "s of lidar time that the first scan waits for odometry");
     tracker.visit(v);
-    v.section("vehicle", vehicle, "what the parts share about the vehicle");
+    v.section("vehicle", vehicle, "shared: the vehicle");
     registration.visit(v);
-    v.section("atlas", atlas, "what is remembered of the drive");
+    v.section("atlas", atlas, "the keyframes of the drive");
     v.section("loop", loop, "closing loops");
     v.section("dense", dense, "the dense map");
   }

@@ -9,7 +9,7 @@
 namespace curbstone::mapper::dense_map {
 namespace {
 
-constexpr std::int64_t kPendingTimeout = 3'000'000;  // us without a hit, after which a waiting voxel is dropped
+constexpr std::int64_t kPendingTimeout = 3'000'000;  // us without a hit, after which a pending voxel is dropped
 constexpr double kGroundSlope = 0.05;                // rate at which unseen ground may rise above the vehicle's plane
 constexpr std::int64_t kHousekeeping = 64;           // scans between
 constexpr std::uint32_t kHeldEvery = 4;              // scans between tests of a held voxel
@@ -43,8 +43,8 @@ void sort_and_unite(std::vector<TileKey>& keys) {
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
 }
 
-/// Key of a waiting voxel in the index of all of them. Not a lattice cell, but equally unique.
-voxels::VoxelKey waiting_key(TileKey tile, std::uint32_t voxel) {
+/// Key of a pending voxel in pending_index_. Not a lattice cell, but equally unique.
+voxels::VoxelKey pending_key(TileKey tile, std::uint32_t voxel) {
   return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(tile.x) & 0xffff) << 48) |
          (static_cast<std::uint64_t>(static_cast<std::uint32_t>(tile.y) & 0xffff) << 32) | voxel;
 }
@@ -67,13 +67,13 @@ std::vector<TileKey> DenseMap::insert(const std::vector<scan::LidarPoint>& point
   up_ = T_map_base.linear().col(2);
   learn(points, T_map_base, utime);
   hit_all(utime, add_new);
-  std::vector<TileKey> grown = settle_all(utime, false);
+  std::vector<TileKey> grown = settle_all(utime, Which::kDue);
   if (is_moving()) {
     move_some(kMaxMovedPerScan, grown);
     sort_and_unite(grown);
   }
   if (round_ % kHousekeeping == 0) {
-    places_.forget_before(utime - 2 * kPendingTimeout);  // waiting voxels below such a place have been dropped before
+    places_.forget_before(utime - 2 * kPendingTimeout);  // pending voxels there have been dropped before
     bound_memory();
   }
   tiles_.spill(kShareByScan);
@@ -83,7 +83,7 @@ std::vector<TileKey> DenseMap::insert(const std::vector<scan::LidarPoint>& point
 std::vector<TileKey> DenseMap::finish() {
   std::vector<TileKey> changed;
   move_rest(changed);
-  const std::vector<TileKey> settled = settle_all(0, true);
+  const std::vector<TileKey> settled = settle_all(0, Which::kAll);
   changed.insert(changed.end(), settled.begin(), settled.end());
   sort_and_unite(changed);
   return changed;
@@ -175,87 +175,87 @@ void DenseMap::hit_all(std::int64_t utime, bool add_new) {
     std::size_t size = 0;
     for (const Seen& seen : now) {
       if (!seen.in_tile || seen.tile->occupied(seen.voxel)) continue;
-      open[size] = {&seen, waiting_key(seen.key, seen.voxel), voxels::FlatIndex::kNone};
-      __builtin_prefetch(waiting_index_.begin_of_search(open[size++].name));
+      open[size] = {&seen, pending_key(seen.key, seen.voxel), voxels::FlatIndex::kNone};
+      __builtin_prefetch(pending_index_.begin_of_search(open[size++].name));
     }
     for (std::size_t i = 0; i < size; ++i) {
-      open[i].at = waiting_index_.find(open[i].name);
-      if (open[i].at != voxels::FlatIndex::kNone) __builtin_prefetch(&waiting_[open[i].at], 1);
+      open[i].at = pending_index_.find(open[i].name);
+      if (open[i].at != voxels::FlatIndex::kNone) __builtin_prefetch(&pending_[open[i].at], 1);
     }
     for (std::size_t i = 0; i < size; ++i) hit(*open[i].seen, open[i].name, open[i].at, utime, add_new);
   }
 }
 
-/// A hit in a voxel without a point. `at`: its entry, if it had one a few hits before.
+/// A hit in a voxel without a point. `at`: its entry in pending_, if it had one a few hits before.
 void DenseMap::hit(const Seen& seen, voxels::VoxelKey name, std::uint32_t at, std::int64_t utime, bool add_new) {
-  if (at == voxels::FlatIndex::kNone) at = waiting_index_.find(name);
+  if (at == voxels::FlatIndex::kNone) at = pending_index_.find(name);
   if (at == voxels::FlatIndex::kNone) {
     if (!add_new || tiles_.known_beside(seen.key, *seen.tile, *seen.in_tile)) return;
-    at = new_waiting();
-    waiting_index_.find_or_insert(name, at);
-    waiting_[at] = {.tile = seen.key, .voxel = seen.voxel, .first = utime};
+    at = new_pending();
+    pending_index_.find_or_insert(name, at);
+    pending_[at] = {.tile = seen.key, .voxel = seen.voxel, .first = utime};
   }
-  Waiting& waiting = waiting_[at];
-  waiting.last = utime;
-  if (waiting.hits >= config_.settle_hits) return;  // the point is complete; only the proof that it stays is missing
-  ++waiting.hits;
-  waiting.lit += seen.in_tile->intensity > 0 ? 1 : 0;
-  waiting.intensity += seen.in_tile->intensity;
-  waiting.sum += Eigen::Vector3i(seen.in_tile->x, seen.in_tile->y, seen.in_tile->z);
+  PendingVoxel& pending = pending_[at];
+  pending.last = utime;
+  if (pending.hits >= config_.settle_hits) return;  // the point is complete; only the proof that it stays is missing
+  ++pending.hits;
+  pending.lit += seen.in_tile->intensity > 0 ? 1 : 0;
+  pending.intensity += seen.in_tile->intensity;
+  pending.sum += Eigen::Vector3i(seen.in_tile->x, seen.in_tile->y, seen.in_tile->z);
 }
 
-std::uint32_t DenseMap::new_waiting() {
+std::uint32_t DenseMap::new_pending() {
   if (free_.empty()) {
-    waiting_.emplace_back();
-    return static_cast<std::uint32_t>(waiting_.size() - 1);
+    pending_.emplace_back();
+    return static_cast<std::uint32_t>(pending_.size() - 1);
   }
   const std::uint32_t at = free_.back();
   free_.pop_back();
   return at;
 }
 
-bool DenseMap::is_due(const Waiting& waiting, std::int64_t utime, bool last_call) const {
-  if (last_call) return true;
-  if (waiting.hits < config_.settle_hits && utime - waiting.first < settle_us_) return false;
-  // Held voxels are tested in turns: a place cannot count as static before a second anyway.
-  return !waiting.held || (static_cast<std::uint32_t>(round_) + waiting.voxel) % kHeldEvery == 0;
+bool DenseMap::is_due(const PendingVoxel& pending, std::int64_t utime, Which which) const {
+  if (which == Which::kAll) return true;
+  if (pending.hits < config_.settle_hits && utime - pending.first < settle_us_) return false;
+  // Held voxels are tested in turn, because no place counts as static before a second anyway.
+  return !pending.held || (static_cast<std::uint32_t>(round_) + pending.voxel) % kHeldEvery == 0;
 }
 
-/// The point of a waiting voxel, which is held from now on.
+/// The point of a pending voxel, which is held from here on.
 DenseMap::Due DenseMap::due(std::uint32_t at) {
-  Waiting& waiting = waiting_[at];
-  waiting.held = true;
-  Due due{at, tiles_.wake(waiting.tile), {}, Eigen::Vector3d::Zero()};
+  PendingVoxel& pending = pending_[at];
+  pending.held = true;
+  Due due{at, tiles_.wake(pending.tile), {}, Eigen::Vector3d::Zero()};
   if (due.tile == nullptr) return due;
   const auto mean = [&](int sum) {  // rounded down, so that it stays inside the voxel
-    return static_cast<std::int16_t>(sum >= 0 ? sum / waiting.hits : -((-sum + waiting.hits - 1) / waiting.hits));
+    return static_cast<std::int16_t>(sum >= 0 ? sum / pending.hits : -((-sum + pending.hits - 1) / pending.hits));
   };
-  due.point = {mean(waiting.sum.x()), mean(waiting.sum.y()), mean(waiting.sum.z()),
-               static_cast<std::uint8_t>(waiting.intensity / std::max(waiting.lit, 1))};
+  due.point = {mean(pending.sum.x()), mean(pending.sum.y()), mean(pending.sum.z()),
+               static_cast<std::uint8_t>(pending.intensity / std::max(pending.lit, 1))};
   due.in_map =
-      corner_of(waiting.tile, *due.tile) + kPositionStep * Eigen::Vector3d(due.point.x, due.point.y, due.point.z);
+      corner_of(pending.tile, *due.tile) + kPositionStep * Eigen::Vector3d(due.point.x, due.point.y, due.point.z);
   return due;
 }
 
-/// Whether the voxel stops waiting: it was added to the map or dropped.
-bool DenseMap::settle(const Due& due, bool may_move, std::int64_t utime, bool last_call) {
+/// Adds the voxel's point to the map, or drops it. Returns false if the voxel stays pending.
+bool DenseMap::settle(const Due& due, bool may_move, std::int64_t utime, Which which) {
   if (due.tile == nullptr) return true;
-  const Waiting& waiting = waiting_[due.at];
+  const PendingVoxel& pending = pending_[due.at];
   if (may_move) {
-    const bool give_up = last_call || utime - waiting.last > kPendingTimeout;
+    const bool give_up = which == Which::kAll || utime - pending.last > kPendingTimeout;
     if (give_up) counters_.add("dense.transient");
     return give_up;
   }
-  due.tile->append(due.point, last_call ? waiting.last : utime, anchor_);
+  due.tile->append(due.point, which == Which::kAll ? pending.last : utime, anchor_);
   if (due.point.intensity == 0) counters_.add("dense.without_intensity");
   ++size_;
   return true;
 }
 
-std::vector<TileKey> DenseMap::settle_all(std::int64_t utime, bool last_call) {
+std::vector<TileKey> DenseMap::settle_all(std::int64_t utime, Which which) {
   due_.clear();
-  for (std::size_t i = 0; i < waiting_.size(); ++i) {
-    if (waiting_[i].hits > 0 && is_due(waiting_[i], utime, last_call)) due_.push_back(static_cast<std::uint32_t>(i));
+  for (std::size_t i = 0; i < pending_.size(); ++i) {
+    if (pending_[i].hits > 0 && is_due(pending_[i], utime, which)) due_.push_back(static_cast<std::uint32_t>(i));
   }
   std::vector<TileKey> grown;
   std::array<Due, kTogether> together;
@@ -265,19 +265,19 @@ std::vector<TileKey> DenseMap::settle_all(std::int64_t utime, bool last_call) {
     const std::size_t size = std::min(kTogether, due_.size() - begin);
     for (std::size_t i = 0; i < size; ++i) {
       together[i] = due(due_[begin + i]);
-      const Waiting& waiting = waiting_[together[i].at];
-      __builtin_prefetch(waiting_index_.begin_of_search(waiting_key(waiting.tile, waiting.voxel)));
+      const PendingVoxel& pending = pending_[together[i].at];
+      __builtin_prefetch(pending_index_.begin_of_search(pending_key(pending.tile, pending.voxel)));
       const Eigen::Vector3d& point = together[i].in_map;
-      suspects[i] = {point, waiting.last, point.z() > ground_at(point) + config_.ground_clearance};
+      suspects[i] = {point, pending.last, point.z() > ground_at(point) + config_.ground_clearance};
     }
     places_.may_move(std::span(suspects.data(), size), may_move);
     for (std::size_t i = 0; i < size; ++i) {
-      Waiting& waiting = waiting_[together[i].at];
+      PendingVoxel& pending = pending_[together[i].at];
       const std::int64_t before = size_;
-      if (!settle(together[i], may_move[i], utime, last_call)) continue;
-      if (size_ != before && (grown.empty() || grown.back() != waiting.tile)) grown.push_back(waiting.tile);
-      waiting_index_.erase(waiting_key(waiting.tile, waiting.voxel));
-      waiting.hits = 0;
+      if (!settle(together[i], may_move[i], utime, which)) continue;
+      if (size_ != before && (grown.empty() || grown.back() != pending.tile)) grown.push_back(pending.tile);
+      pending_index_.erase(pending_key(pending.tile, pending.voxel));
+      pending.hits = 0;
       free_.push_back(together[i].at);
     }
   }
@@ -285,10 +285,10 @@ std::vector<TileKey> DenseMap::settle_all(std::int64_t utime, bool last_call) {
   return grown;
 }
 
-void DenseMap::forget_waiting() {
-  waiting_.clear();
+void DenseMap::discard_pending() {
+  pending_.clear();
   free_.clear();
-  waiting_index_.clear(4096);
+  pending_index_.clear(4096);
   places_.clear();
 }
 
@@ -296,7 +296,7 @@ void DenseMap::move(const std::vector<Pose>& corrections) {
   std::vector<TileKey> moved;  // discarded: all tiles are replaced, and callers take keys()
   move_rest(moved);            // of an earlier correction
   mover_ = TileMover(std::exchange(tiles_, no_tiles()), corrections, base_);
-  forget_waiting();
+  discard_pending();
   size_ = num_removals_ = 0;
   move_some(kMaxMovedAtOnce, moved);
 }

@@ -42,7 +42,7 @@ class DenseMap {
   explicit DenseMap(const config::DenseConfig& config,
                     std::shared_ptr<SpillFile> spill_file = std::make_shared<SpillFile>());
 
-  /// Adds a registered scan; `points` in base_link. `add_new` false: hits count only in voxels that are waiting
+  /// Adds a registered scan; `points` in base_link. `add_new` false: hits count only in voxels that are pending
   /// already. Returns the tiles that grew, in order.
   std::vector<TileKey> insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base, std::int64_t utime,
                               bool add_new = true);
@@ -59,12 +59,12 @@ class DenseMap {
   static constexpr std::int32_t kFixed = -1;  ///< an anchor that never moves
 
   /// Applies a correction to the keyframes: each point moves by its anchor's correction, T_new_old by number. If two
-  /// points move into one voxel, one is kept. Waiting voxels are discarded. All tiles are replaced: those around the
+  /// points move into one voxel, one is kept. Pending voxels are discarded. All tiles are replaced: those around the
   /// vehicle at once, the others during the following scans, whose insert() reports them.
   void move(const std::vector<Pose>& corrections);
   /// Whether points are still to be moved; until then they are in no tile. finish() and roll_back() move them first.
   [[nodiscard]] bool is_moving() const { return !mover_.is_done(); }
-  /// Discards what settled after `utime`, us, to about a second, and all waiting voxels. Points removed since then are
+  /// Discards what settled after `utime`, us, to about a second, and all pending voxels. Points removed since then are
   /// restored.
   void roll_back(std::int64_t utime);
   /// Adds a tile of an earlier map, whose points are fixed. The key must be new.
@@ -73,7 +73,7 @@ class DenseMap {
   /// must be new, and the records and runs must be those of a tile.
   void restore(TileKey key, std::int32_t z_origin, TileRecords records, const Eigen::Vector3d& at);
 
-  /// Settles all waiting voxels as they are, except those that have yet to prove that they stay: these are dropped.
+  /// Settles all pending voxels as they are, except those that have yet to prove that they stay: these are dropped.
   std::vector<TileKey> finish();
 
   /// nullptr if there is none. Valid until the next insert().
@@ -101,10 +101,10 @@ class DenseMap {
     std::uint32_t voxel;               // DenseTile::voxel_number
   };
   /// A voxel with hits and no point yet; an unused entry if `hits` is 0.
-  struct Waiting {
+  struct PendingVoxel {
     TileKey tile;
     std::uint32_t voxel = 0;  // DenseTile::voxel_number
-    bool held = false;        // has waited long enough, must yet prove that it stays
+    bool held = false;        // its point is complete; it must still prove that it stays
     std::int32_t hits = 0;
     std::int32_t lit = 0;                           // hits that had an intensity,
     std::int32_t intensity = 0;                     // and the sum of these intensities
@@ -112,23 +112,25 @@ class DenseMap {
     std::int64_t first = 0;                         // us
     std::int64_t last = 0;                          // us
   };
-  /// A waiting voxel that may settle now.
+  /// A pending voxel that may settle now.
   struct Due {
-    std::uint32_t at;  // in waiting_
+    std::uint32_t at;  // in pending_
     DenseTile* tile;   // nullptr: it cannot grow
     TilePoint point;
     Eigen::Vector3d in_map;  // m, the same point
   };
+  /// Which pending voxels are settled; kAll: the drive is over, so none waits for more hits.
+  enum class Which { kDue, kAll };
   void learn(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base, std::int64_t utime);
   void hit_all(std::int64_t utime, bool add_new);
   void hit(const Seen& seen, voxels::VoxelKey name, std::uint32_t at, std::int64_t utime, bool add_new);
-  [[nodiscard]] std::uint32_t new_waiting();
+  [[nodiscard]] std::uint32_t new_pending();
   [[nodiscard]] double ground_at(const Eigen::Vector3d& point);
-  [[nodiscard]] bool is_due(const Waiting& waiting, std::int64_t utime, bool last_call) const;
+  [[nodiscard]] bool is_due(const PendingVoxel& pending, std::int64_t utime, Which which) const;
   [[nodiscard]] Due due(std::uint32_t at);
-  [[nodiscard]] bool settle(const Due& due, bool may_move, std::int64_t utime, bool last_call);
-  std::vector<TileKey> settle_all(std::int64_t utime, bool last_call);
-  void forget_waiting();
+  [[nodiscard]] bool settle(const Due& due, bool may_move, std::int64_t utime, Which which);
+  std::vector<TileKey> settle_all(std::int64_t utime, Which which);
+  void discard_pending();
   void move_some(std::size_t most, std::vector<TileKey>& grown);
   void move_rest(std::vector<TileKey>& grown);
   std::optional<TileKey> put(const MovedPoint& point);
@@ -144,15 +146,15 @@ class DenseMap {
   std::shared_ptr<SpillFile> spill_file_;
   TileGrid tiles_;
   TileMover mover_;  // of the points that are still to be moved
-  std::vector<Waiting> waiting_;
-  voxels::FlatIndex waiting_index_;
-  std::vector<std::uint32_t> free_;  // unused entries of waiting_
+  std::vector<PendingVoxel> pending_;
+  voxels::FlatIndex pending_index_;
+  std::vector<std::uint32_t> free_;  // unused entries of pending_
   PersistenceFilter places_;
   FreeSpace free_space_;
   std::vector<TileKey> evicted_;
   std::vector<Seen> in_range_;                      // scratch
   std::vector<Eigen::Vector3d> high_;               // likewise: positions clear of the ground
-  std::vector<std::uint32_t> due_;                  // likewise: entries of waiting_
+  std::vector<std::uint32_t> due_;                  // likewise: entries of pending_
   Eigen::Vector3d base_ = Eigen::Vector3d::Zero();  // position of base_link in map
   Eigen::Vector3d up_ = Eigen::Vector3d::UnitZ();   // its z axis
   std::int64_t round_ = 0;                          // scans inserted

@@ -39,7 +39,7 @@ std::size_t DenseMap::bytes() const {
 void DenseMap::roll_back(std::int64_t utime) {
   std::vector<TileKey> moved;
   move_rest(moved);
-  forget_waiting();
+  discard_pending();
   size_ = num_removals_ = 0;
   tiles_.truncate_after(utime);
   tiles_.for_each([&](const DenseTile& tile) {

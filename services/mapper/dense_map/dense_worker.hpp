@@ -23,7 +23,7 @@ struct DenseWork {
     Pose T_map_base;
     std::int64_t utime;   ///< us
     std::int32_t anchor;  ///< keyframe of the points that settle with this scan
-    bool add_new;         ///< false: hits count only in voxels that are waiting already
+    bool add_new;         ///< false: hits count only in voxels that are pending already
     std::shared_ptr<const intensity::RingTable> scale = nullptr;  ///< of their intensities: DenseMap::set_scale()
   };
   /// Parameters of free-space removal, which uses the points of the last insertion.

@@ -69,7 +69,7 @@ Occupancy RangeImage::classify(const Eigen::Vector3f& place, const Margins& marg
   const float slope = d.z() / range;
   const float inside = slope < 0 ? 1.0F : -1.0F;
   const int azimuth = azimuth_of(d.x(), d.y());
-  // All are compared: there are few, and a search would branch in ways that the CPU cannot foresee.
+  // All are compared: there are few, and the branches of a search would be mispredicted.
   std::uint32_t lower = 0;
   for (const float of_row : slopes_) lower += of_row < slope ? 1U : 0U;
   const std::size_t end = std::min<std::size_t>(lower + 1, rows_.size());

@@ -6,11 +6,12 @@
 
 namespace curbstone::mapper::detection {
 
-/// Whether odometry is of a filter that was started again a moment ago. It goes on from what its predecessor kept, and
-/// does not know what happened in the gap; then it settles. Until then its motion says nothing of the LiDAR. Pure.
+/// Whether the filter of odometry was restarted a moment ago. A restarted filter continues from the state that its
+/// predecessor saved, without knowledge of the gap, and needs time to settle. Until then its motion is no reference for
+/// the LiDAR. Pure.
 class OdometryRestart {
  public:
-  static constexpr std::int64_t kStep = 60'000;        ///< us: no filter leaves out as much between two samples,
+  static constexpr std::int64_t kStep = 60'000;        ///< us: no filter pauses for so long between two samples,
   static constexpr double kSteps = 2.5;                ///< or so many steps of a slower one
   static constexpr std::int64_t kSettles = 5'000'000;  ///< us
 

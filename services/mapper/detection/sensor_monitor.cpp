@@ -55,9 +55,8 @@ void SensorMonitor::add_faults(std::vector<std::string>& faults) const {
 void SensorMonitor::add_counters(Counters& counters) const {
   for (const Counters* part : {&strays_.counters(), &lasers_.counters(), &mounting_.counters(), &turns_.counters(),
                                &lean_.counters(), &lag_.counters(), &sectors_.counters(), &ground_.counters(),
-                               &steps_.counters(), &dead_.counters(), &intensity_.counters()}) {
-    for (const auto& [name, value] : part->values()) counters.add(name, value);
-  }
+                               &steps_.counters(), &dead_.counters(), &intensity_.counters()})
+    counters.add(*part);
 }
 
 }  // namespace curbstone::mapper::detection

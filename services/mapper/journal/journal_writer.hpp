@@ -29,7 +29,7 @@ class JournalWriter {
   [[nodiscard]] bool is_stuck() const;
   /// The file that is there counts as one of this writer.
   void adopt() { was_in_place_ = true; }
-  /// Shows by the age of the file in place that its drive goes on.
+  /// Updates the age of the file in place, which shows that its drive continues.
   void keep_young();
   /// Starts another file with the next batch, beside the current one.
   void begin();

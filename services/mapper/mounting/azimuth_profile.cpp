@@ -16,8 +16,8 @@ constexpr std::size_t kMinRanges = 300;
 constexpr std::size_t kSearchRanges = 500;  // ranges that a search uses; all are used to refine
 constexpr double kNearUsual = 1.2;          // times the usual residual
 
-/// The bin of a direction. The arctangent is a polynomial, good to 1e-4 rad, without branches: directions come in no
-/// order that a processor could foresee.
+/// The bin of a direction. The arctangent is a polynomial, accurate to 1e-4 rad, without branches, because they would
+/// be mispredicted.
 int bin_of(float px, float py) {
   const float x = std::abs(px);
   const float y = std::abs(py);
@@ -38,10 +38,10 @@ int bin_of(float px, float py) {
 
 }  // namespace
 
-/// With one branch, for heights come in no order that a processor could foresee.
+/// With one branch only, because branches on heights are mispredicted.
 UprightPoints::UprightPoints(const std::vector<scan::LidarPoint>& points, const Eigen::Vector3d& lidar)
     : lidar_(lidar), ring_(points.size() + 1) {
-  const auto most = static_cast<Eigen::Index>(points.size()) + 1;  // one more, to be written over
+  const auto most = static_cast<Eigen::Index>(points.size()) + 1;  // one more, which the next one overwrites
   x_.resize(most), y_.resize(most);
   const Eigen::Vector2f from = lidar.head<2>().cast<float>();
   Eigen::Index size = 0;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kMaxRange = 12;      // m, of an object that matters: beyond it, many other things are in sight
 constexpr int kSure = 3;             // looks
-constexpr int kMostEvidence = 6;     // looks
+constexpr int kMaxEvidence = 6;      // looks
 constexpr int kMaxMissed = 2;        // looks
 constexpr double kMinChanged = 0.2;  // share of the far ranges that change as the vehicle moves
 constexpr float kConnected = 0.8F;   // m between neighbouring returns of one object
@@ -102,7 +102,7 @@ void CoMovingObjects::compare(const SurroundView& now, const std::vector<const S
     if (!is_same[i] || !is_moving)
       direction.evidence = 0;
     else
-      direction.evidence = std::clamp(direction.evidence + (is_evidence[i] ? 1 : -1), 0, kMostEvidence);
+      direction.evidence = std::clamp(direction.evidence + (is_evidence[i] ? 1 : -1), 0, kMaxEvidence);
   }
 }
 

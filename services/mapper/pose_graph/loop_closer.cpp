@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "common/geometry/pose_covariance.hpp"
 #include "common/linear/decompositions.hpp"
 
 namespace curbstone::mapper::pose_graph {
@@ -14,10 +15,10 @@ constexpr double kTurn = 0.15;            // rad: largest drift of the heading
 constexpr double kMinSigma = 0.02;  // m: the scans of nodes are downsampled, whatever covariance registration gives
 constexpr double kMinTurn = 0.002;  // rad
 
-registration::Matrix6 floored(const registration::Matrix6& covariance) {
+registration::Matrix6 least_covariance() {
   registration::Vector6 least;
   least << Eigen::Vector3d::Constant(kMinSigma * kMinSigma), Eigen::Vector3d::Constant(kMinTurn * kMinTurn);
-  return covariance + registration::Matrix6(least.asDiagonal());
+  return least.asDiagonal();
 }
 
 }  // namespace
@@ -78,7 +79,7 @@ std::optional<LoopCorrection> LoopCloser::solve(const Atlas& atlas, const LoopCl
   const Pose T_base_reference = T_map_base.inverse() * atlas.node(reference).T_map_base;
   LoopCorrection correction;
   correction.loop = {closure.node, reference, closure.T_node_base * T_base_reference,
-                     inverse(floored(closure.covariance)), true};
+                     inverse(covariance_of_increment(T_base_reference, closure.covariance, least_covariance())), true};
   std::vector<PoseEdge> edges = atlas.edges();
   edges.push_back(correction.loop);
   const std::vector<Pose> before = atlas.poses();

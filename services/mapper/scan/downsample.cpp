@@ -53,9 +53,9 @@ std::vector<LidarPoint> first_of_each(const std::vector<LidarPoint>& points, dou
 std::vector<LidarPoint> downsample(const std::vector<LidarPoint>& points, double voxel, double max_range) {
   const double inverse = 1.0 / voxel;
   const auto max2 = static_cast<float>(max_range * max_range);
-  constexpr double kMostCells = 1600;  // along an axis, so that their numbers fit into 32 bits
+  constexpr double kMaxCells = 1600;  // along an axis, so that their numbers fit into 32 bits
   const double reach = std::ceil(max_range * inverse) + 2;
-  if (!(2 * reach <= kMostCells)) return first_of_each<voxels::VoxelKey>(points, inverse, max2, voxels::voxel_key);
+  if (!(2 * reach <= kMaxCells)) return first_of_each<voxels::VoxelKey>(points, inverse, max2, voxels::voxel_key);
   const auto middle = static_cast<int>(reach);
   const auto side = static_cast<std::uint32_t>(2 * middle);
   return first_of_each<std::uint32_t>(points, inverse, max2, [&](const Eigen::Vector3i& cell) {

@@ -10,11 +10,11 @@
 namespace curbstone::mapper::scan {
 namespace {
 
-constexpr std::int64_t kMostLost = 100'000;              // a larger step of the sequence numbers is a restart
+constexpr std::int64_t kMaxLost = 100'000;               // a larger step of the sequence numbers is a restart
 constexpr std::int64_t kMaxPacketInterval = 200'000;     // us: a revolution in one
 constexpr std::int64_t kRestartBack = 1'000'000;         // us: a lower number with a stamp so much earlier is not late
 constexpr std::int64_t kNoCorrection = 20'000;           // us: what remains of two steps that cancel
-constexpr std::int64_t kSmallest = 10'000;               // us
+constexpr std::int64_t kMinClockStep = 10'000;           // us
 constexpr std::int64_t kMaxRestart = 3'600'000'000;      // us
 constexpr std::int64_t kLatest = std::int64_t{1} << 60;  // us: no stamp, and far from an overflow
 constexpr int kMaxMisfits = 20;                          // packets
@@ -44,7 +44,7 @@ void LidarClock::add(const lidar_points_t& packet, std::int64_t odometry, const 
   if (step_) return hold(packet, now, handler);
   if (last_ && last_->odometry != 0 && odometry != 0) {
     const std::int64_t by = now.utime - expected_after(*last_, now);
-    if (std::abs(by) > (interval_ == 0 ? kMaxPacketInterval : std::max(kSmallest, 2 * interval_))) {
+    if (std::abs(by) > (interval_ == 0 ? kMaxPacketInterval : std::max(kMinClockStep, 2 * interval_))) {
       step_ = Step{by, std::min(kAgree, std::abs(by) / 2), now.utime, now};
       return hold(packet, now, handler);
     }
@@ -60,11 +60,11 @@ bool LidarClock::is_late(const lidar_points_t& packet) const {
   return packet.packet <= last_->number && back >= 0 && back < kRestartBack;
 }
 
-/// us, how the packet would be stamped in the clock of an earlier one. After a restart of the driver its numbers do not
-/// tell how long it took, and odometry does.
+/// us, the packet's stamp in the clock of an earlier one. After a restart of the driver the sequence numbers do not
+/// show the time in between; odometry does.
 std::int64_t LidarClock::expected_after(const Heard& before, const Heard& now) const {
   const std::int64_t packets = std::int64_t{now.number} - before.number;
-  if (packets > 0 && packets <= kMostLost) return before.utime + packets * interval_;
+  if (packets > 0 && packets <= kMaxLost) return before.utime + packets * interval_;
   return before.utime + std::clamp<std::int64_t>(now.odometry - before.odometry, 0, kMaxRestart);
 }
 

@@ -12,19 +12,19 @@
 
 namespace curbstone::mapper::scan {
 
-/// Keeps the stamps of LIDAR_POINTS on odometry's clock where the LiDAR's clock alone is set: its source of time (GPS,
-/// PTP) comes or goes, or the clock of its driver's host is set. The stamps then step from one packet to the next. So
-/// they do after a pause of the driver, and where all clocks are set. Therefore the packets after a step are held until
-/// odometry has told:
+/// Keeps the stamps of LIDAR_POINTS on odometry's clock if the LiDAR's clock alone is set: its source of time (GPS,
+/// PTP) comes or goes, or the clock of its driver's host is set. The stamps then step from one packet to the next. They
+/// also step after a pause of the driver, and if all clocks are set. Therefore the packets after a step are held until
+/// odometry decides which it was:
 ///
-/// - its stamps agree with the new ones: the packets pass as they are;
-/// - its stamps go on in the old clock, past the step by kProof: the LiDAR's clock alone was set, and the step is taken
-///   out of this and all later stamps;
-/// - neither within kMaxHold: the packets pass as they are.
+/// - Its stamps agree with the new ones: the packets pass unchanged.
+/// - Its stamps continue in the old clock, kProof beyond the step: the LiDAR's clock alone was set, and the step is
+///   subtracted from this and all later stamps.
+/// - Neither within kMaxHold: the packets pass unchanged.
 ///
-/// Where the next packet goes on in the old clock, only the held stamps were wrong, and are corrected. Smaller steps
-/// are held for one packet, for this alone. Without odometry nothing is held. Pure; one thread. Time is LiDAR time;
-/// which of the two channels is heard first matters from kAgree on.
+/// If the next packet continues in the old clock, only the held stamps were wrong, and they are corrected. A packet
+/// with a smaller step is held until the next packet, for this check alone. Without odometry nothing is held. Pure; one
+/// thread. Time is LiDAR time; which of the two channels is heard first matters from kAgree on.
 ///
 /// Counters: lidar.clock_corrections (steps taken out), lidar.stamps_corrected (packets of which only the stamp was
 /// wrong), refused.lidar_stamp (packets after a step that fit neither clock).
@@ -36,11 +36,11 @@ class LidarClock {
   static constexpr std::int64_t kAgree = 50'000;         ///< us, between the stamps of LiDAR and odometry
   static constexpr std::int64_t kProof = 200'000;        ///< us
   static constexpr std::int64_t kHoldBack = 300'000;     ///< us, at least, before a step back is taken out
-  static constexpr std::int64_t kHoldAhead = 1'000'000;  ///< us: after a pause of all, odometry may come late
+  static constexpr std::int64_t kHoldAhead = 1'000'000;  ///< us: after a pause of all senders odometry may be late
   static constexpr std::int64_t kMaxHold = 2'000'000;    ///< us
   static constexpr std::size_t kMaxHeld = 12'000;        ///< packets
 
-  /// Takes a packet, in the order of sequence numbers but for late ones, and gives `handler` all that is due.
+  /// Takes a packet, in the order of sequence numbers except for late ones, and passes `handler` all that are due.
   /// `odometry`: us, the newest stamp; 0: there is none.
   void add(const lidar_points_t& packet, std::int64_t odometry, const Handler& handler);
   /// Passes on what is held, as it is: the drive is over.

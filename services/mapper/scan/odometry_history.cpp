@@ -8,8 +8,8 @@ namespace curbstone::mapper::scan {
 
 namespace {
 
-constexpr std::int64_t kMeasured = 30'000;    // us of samples from which the motion is extrapolated
-constexpr std::int64_t kShortestGap = 4'000;  // us: one sample at 400 Hz
+constexpr std::int64_t kMeasured = 30'000;  // us of samples from which the motion is extrapolated
+constexpr std::int64_t kMinGap = 4'000;     // us: one sample at 400 Hz
 
 /// How far a pose may lie from where it is expected.
 struct Reach {
@@ -101,7 +101,7 @@ std::optional<MissingMessages> OdometryHistory::gap(std::int64_t from) const {
   const auto step = [this](std::size_t i) { return samples_[i + 1].utime - samples_[i].utime; };
   const std::size_t later = lower_bound(from + 1);
   for (std::size_t i = later > 0 ? later - 1 : 0; i + 1 < samples_.size(); ++i) {
-    if (step(i) < kShortestGap || step(i) > ResendClient::kMaxMissing) continue;
+    if (step(i) < kMinGap || step(i) > ResendClient::kMaxMissing) continue;
     std::int64_t beside = std::numeric_limits<std::int64_t>::max();
     if (i > 0) beside = step(i - 1);
     if (i + 2 < samples_.size()) beside = std::min(beside, step(i + 1));

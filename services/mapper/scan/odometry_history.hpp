@@ -96,7 +96,8 @@ class OdometryHistory {
   [[nodiscard]] bool is_clock_step(std::size_t i, std::size_t known) const;
   [[nodiscard]] Pose beyond(std::size_t last, std::int64_t utime) const;
   Added add_late(const OdometrySample& sample);
-  /// Whether the motion up to sample `last` leads to this later one. After more than kMaxGap nobody can tell: it does.
+  /// Whether the motion up to sample `last` leads to this later one. After more than kMaxGap it counts as leading
+  /// there.
   [[nodiscard]] bool leads_to(std::size_t last, const OdometrySample& sample) const;
   void append(const OdometrySample& sample);
   void give_up_second_filter(std::int64_t utime);

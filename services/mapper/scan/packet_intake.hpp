@@ -13,17 +13,17 @@
 
 namespace curbstone::mapper::scan {
 
-/// Passes on the packets of LIDAR_POINTS in the order of their sequence numbers. A missing number means loss on the
-/// bus, for the driver numbers what it sends. The missing packet is requested, and later ones wait until it has come,
-/// or until kPatience has passed without any of the missing ones, as ResendClient counts it: less than the time that
-/// kMaxHeld packets last, in a replay too. So the output is the same with or without loss, unless packets are lost for
-/// good. Packets whose numbers start again, or whose time jumps, are passed on as they come. Pure; one thread.
+/// Passes on the packets of LIDAR_POINTS in the order of their sequence numbers. A missing number means a loss on the
+/// bus, because the driver numbers what it sends. The missing packet is requested. Later packets wait until it arrives,
+/// or until kPatience has passed without any of the missing ones (counted by ResendClient), which is less than the time
+/// that kMaxHeld packets last, in a replay too. So the output is the same with and without loss, unless packets are
+/// lost for good. Packets whose numbers restart, or whose time jumps, are passed on as they come. Pure; one thread.
 ///
-/// Two drivers on one channel would mix the scans of two LiDARs. Their sequence numbers reveal it: they go back while
-/// time goes on, and no driver restarts within kRestart. Only one of the two is passed on. They are a fault if they
-/// alternate: a driver that was killed and started again at once only loses what it sends within kRestart. Packets of
-/// more than kLongAgo before, which do not go on from the last one, are of a log that is played into the bus, unless
-/// kClockWasSet come in a row.
+/// Two drivers on one channel would mix the scans of two LiDARs. Their sequence numbers reveal it: the numbers go back
+/// while time advances, and no driver restarts within kRestart. Only one of the two is passed on. It is a fault if they
+/// alternate: a driver that was killed and restarted at once only loses what it sends within kRestart. Packets more
+/// than kLongAgo in the past that do not continue from the last one belong to a log that is played into the bus, unless
+/// kClockWasSet of them come in a row.
 ///
 /// Counters: refused.second_lidar, lidar.resent (missing packets that came again), lidar.not_resent (gaps that were
 /// given up).
@@ -39,8 +39,8 @@ class PacketIntake {
   PacketIntake(Publisher& bus, const std::string& requester, const std::string& channel)
       : client_(bus, requester, channel) {}
 
-  /// To be called before the first packet: packets since `utime`, us, are wanted too, as another listener had all until
-  /// then.
+  /// To be called before the first packet: packets since `utime`, us, are requested too. Another listener had all
+  /// packets until then.
   void begin_at(std::int64_t utime) { begin_after_ = utime - 1; }
 
   /// Takes a packet that was sent for the first time.

@@ -129,9 +129,8 @@ void ScanSynchronizer::add_odometry_faults(std::vector<std::string>& faults, boo
 
 void ScanSynchronizer::add_counters(Counters& counters) const {
   for (const Counters* part :
-       {&counters_, &packets_.counters(), &clock_.counters(), &odometry_resend_.counters(), &assembler_.counters()}) {
-    for (const auto& [name, value] : part->values()) counters.add(name, value);
-  }
+       {&counters_, &packets_.counters(), &clock_.counters(), &odometry_resend_.counters(), &assembler_.counters()})
+    counters.add(*part);
 }
 
 }  // namespace curbstone::mapper::scan

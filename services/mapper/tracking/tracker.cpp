@@ -56,12 +56,7 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
   const scan::OdometryHistory& believed = odometry_check_.rejects_odometry() ? no_odometry_ : odometry;
   Attempt found = attempt(scan, believed);
   const auto by_scan = found.believed ? std::optional(found.fit.result.T_map_base) : std::nullopt;
-  const bool turn_refused = contradicts_odometry(found, scan, believed);
-  if (turn_refused) {
-    found = by_odometry(scan, odometry);
-    turn_refused_at_ = scan.end;
-  }
-  turn_refused_ = turn_refused || (turn_refused_ && !found.believed && !turns_.gives_up(scan.end));
+  judge_turn(found, scan, odometry, believed);
   if (!found.fit.prediction.with_odometry) counters_.add("without_odometry");
   if (!found.refusal.empty()) counters_.add(found.refusal);
   if (first_ && !found.believed) {  // they do not confirm each other: the drive begins with this one
@@ -78,6 +73,17 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
   if (tracked.maps) insert(*tracked.points, tracked.T_map_base);
   check_odometry(tracked, odometry);
   return tracked;
+}
+
+/// Replaces a registration that turns otherwise than wheels and gyro by the pose of odometry.
+void Tracker::judge_turn(Attempt& found, const scan::Scan& scan, const scan::OdometryHistory& odometry,
+                         const scan::OdometryHistory& believed) {
+  const bool is_refused = contradicts_odometry(found, scan, believed);
+  if (is_refused) {
+    found = by_odometry(scan, odometry);
+    turn_refused_at_ = scan.end;
+  }
+  turn_refused_ = is_refused || (turn_refused_ && !found.believed && !turns_.gives_up(scan.end));
 }
 
 /// Registers the scan from the pose that odometry, or a constant velocity, predicts; if that fails, from other motions.

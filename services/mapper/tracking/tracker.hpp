@@ -150,6 +150,8 @@ class Tracker {
   [[nodiscard]] bool check_mount(Attempt& found, const scan::Scan& scan, const scan::OdometryHistory& odometry);
   [[nodiscard]] bool contradicts_odometry(const Attempt& found, const scan::Scan& scan,
                                           const scan::OdometryHistory& odometry) const;
+  void judge_turn(Attempt& found, const scan::Scan& scan, const scan::OdometryHistory& odometry,
+                  const scan::OdometryHistory& believed);
   [[nodiscard]] Attempt by_odometry(const scan::Scan& scan, const scan::OdometryHistory& odometry) const;
   [[nodiscard]] Attempt judged(Fit fit) const { return judged(std::move(fit), certainty()); }
   [[nodiscard]] Attempt judged(Fit fit, Certainty guess) const;

@@ -18,7 +18,7 @@ namespace {
 constexpr int kVehicleReach = 5;      // cells: 1.3 m square
 constexpr int kVehicleCells = 10;     // high cells in it, for a vehicle or a piece of wall
 constexpr double kReachesTop = 0.85;  // of the vehicle's height
-constexpr int kShadow = 8;            // cells: about as far as an edge hides what is behind and below it
+constexpr int kShadow = 8;            // cells: about the length of the shadow behind and below an edge
 constexpr double kSlope = 0.15;       // slope that unseen ground may have
 constexpr double kCurbLink = 0.45;    // m: cells between curb points this close are curb, too
 
@@ -41,7 +41,7 @@ class GroundWindow {
   static constexpr float kNotSeen = std::numeric_limits<float>::infinity();
   explicit GroundWindow(const tile::Around<CellColumns>& columns) {
     z_.fill(std::numeric_limits<float>::quiet_NaN());
-    // Tile by tile, a row's part at a time.
+    // Tile by tile, and in each tile row by row.
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
         const CellColumns* tile = columns.at(dx, dy);
@@ -57,7 +57,7 @@ class GroundWindow {
       }
     }
   }
-  /// How far apart heights that ground_beyond() can find may be, m.
+  /// Largest difference of the heights that ground_beyond() can find, m.
   [[nodiscard]] double relief() const { return heights_.size(); }
   /// m in map; kNotSeen where no ground was seen; NaN where there is no tile.
   [[nodiscard]] float at(int column, int row) const { return z_[index(column, row)]; }
@@ -67,7 +67,7 @@ class GroundWindow {
   static std::size_t index(int column, int row) {
     return static_cast<std::size_t>((row + kShadow) * kSize + column + kShadow);
   }
-  /// Without branches: which cells show ground is not to be foreseen.
+  /// Without branches, because they would be mispredicted.
   void take(const CellColumn& cell, float& z) {
     const float height = cell.ground_z;
     const bool is_seen = cell.shows_ground();
@@ -276,13 +276,13 @@ void mark_curbs(const tile::Around<std::vector<curbs::CurbPoint>>& curbs, const 
   }
 }
 
-/// std::round() of what is no larger than a tile's heights may be, without a call: half away from zero.
+/// std::round() without a call, for values that fit into 32 bits: half away from zero.
 [[gnu::always_inline]] inline double rounded(double value) {
-  constexpr double kBelowHalf = 0.49999999999999994;  // with 0.5, what is just below a half would become 1
+  constexpr double kBelowHalf = 0.49999999999999994;  // with 0.5, a value just below a half would become 1
   return static_cast<double>(static_cast<std::int32_t>(value < 0 ? value - kBelowHalf : value + kBelowHalf));
 }
 
-/// All of a cell that does not depend on the cells around.
+/// Everything of a cell that does not depend on the cells around.
 CURBSTONE_VECTORISED
 void measure_cells(const CellColumn* cells, double z_origin, tile::MapTile& tile) {
   constexpr double kMost = 32767;

@@ -11,7 +11,7 @@ namespace curbstone::semantic_map::cells {
 
 namespace {
 
-/// Of all cells, m from the tile's corner.
+/// The centre of each cell, m from the tile's corner.
 struct CellCentres {
   std::array<double, tile::kCellsInTile> x{}, y{};
   CellCentres() {

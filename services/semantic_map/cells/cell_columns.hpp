@@ -15,24 +15,24 @@
 
 namespace curbstone::semantic_map::cells {
 
-/// Parameters of what blocks a cell.
+/// Parameters of the cell classes.
 struct ClassParameters {
-  double ground_band = 0.20;     ///< m about the ground: points in it are the ground's (pavement and curb included)
+  double ground_band = 0.20;     ///< m around the ground: points in it are ground (pavement and curb included)
   double min_obstacle = 0.22;    ///< m above ground
   double vehicle_height = 2.00;  ///< m; from the vehicle's section
-  double min_vehicle = 0.90;     ///< m: what is this high and as large as a car is as good as a wall
+  double min_vehicle = 0.90;     ///< m: an object of this height and of the size of a car is classified as wall
   int min_points = 2;            ///< in a cell and at its edges, to be an obstacle
-  double margin = 0.02;          ///< m beyond a cell's edge at which a point may in fact stand: twice its own error
+  double margin = 0.02;          ///< m: a point so close to an edge may belong to the next cell: twice its error
   bool unknown_is_free = false;  ///< the paper's policy; the safe one is the default
   double max_step = 0.15;        ///< m the vehicle may climb
 
   void visit(ConfigVisitor& v) {
-    v.field("ground_band", ground_band, {0.02, 1}, "m about the ground: points in it are the ground's");
-    v.field("min_obstacle", min_obstacle, {0.02, 1}, "m above ground, for a point to be in the way");
-    v.field("min_vehicle", min_vehicle, {0.2, 3}, "m, height of what counts as a vehicle if it is large");
+    v.field("ground_band", ground_band, {0.02, 1}, "m around the ground within which points are ground");
+    v.field("min_obstacle", min_obstacle, {0.02, 1}, "m above ground from which on a point is an obstacle");
+    v.field("min_vehicle", min_vehicle, {0.2, 3}, "m, height from which on a large object is a vehicle or wall");
     v.field("min_points", min_points, {1, 100}, "points in a cell and at its edges, to be an obstacle");
-    v.field("margin", margin, {0, 0.06}, "m beyond a cell's edge that a point may truly stand");
-    v.field("unknown_is_free", unknown_is_free, "traverse what was never seen (the paper's policy; not safe)");
+    v.field("margin", margin, {0, 0.06}, "m: a point so close to an edge may belong to the next cell");
+    v.field("unknown_is_free", unknown_is_free, "unknown cells cost 0 (the paper's policy; not safe)");
     v.field("max_step", max_step, {0, 0.5}, "m, the highest curb that the vehicle may climb");
   }
 };

@@ -14,18 +14,18 @@ namespace curbstone::semantic_map::curbs {
 
 namespace {
 
-constexpr double kMinCoarseTilt = 0.008;
-constexpr int kMinTilted = 1;       // points in a cell
-constexpr double kSparse = 2.0;     // times the length of the window, where points are few
-constexpr double kThin = 4.0;       // and where there are only single scan lines
-constexpr double kPromising = 0.1;  // of a certain step, straight ahead: with less, what is found aslant is noise
+constexpr double kMinCoarseTilt = 0.008;  // slope
+constexpr int kMinTilted = 1;             // points in a cell
+constexpr double kSparse = 2.0;           // factor of the window's length where points are few,
+constexpr double kThin = 4.0;             // and where there are only single scan lines
+constexpr double kPromising = 0.1;        // certainty straight ahead; with less, a step in a turned direction is noise
 
-/// A cell whose normals tilt: where, and which way up.
+/// A cell whose normals tilt, with the direction of the tilt.
 struct TiltedCell {
   Eigen::Vector2d at = Eigen::Vector2d::Zero();
   Eigen::Vector2d tilt = Eigen::Vector2d::Zero();
   int count = 0;
-  bool is_thin = false;  // scan lines only: which way is up is not the vote's word
+  bool is_thin = false;  // scan lines only: the direction is that of coarse_tilt, not of the vote
 };
 
 TiltedCell gather_tilt(const NearGroundPoints& points, const ground::GroundSurface& ground, int column, int row,
@@ -55,13 +55,13 @@ TiltedCell gather_tilt(const NearGroundPoints& points, const ground::GroundSurfa
   return cell;
 }
 
-/// The steps at a cell. Where points are dense, the vote's word on which way is up is good, and a short window enough.
-/// Where they are few it is looked for farther along, about the directions of the vote and of the ground at large.
+/// The steps at a cell. Where points are dense, the direction of the vote is good, and a short window suffices. Where
+/// they are few, longer windows are used, in the directions of the vote and of coarse_tilt, and turned from these.
 std::vector<FoundStep> find_steps(const NearGroundPoints& points, const TiltedCell& cell,
                                   const ground::GroundAt& ground, const tile::CurbParameters& parameters,
                                   StepWindow& window, SearchEffort& effort) {
   StepSearch search(points, cell.at, ground.layer_noise, parameters, window, effort);
-  std::array<std::pair<Eigen::Vector2d, double>, 2> directions;  // how promising each is, straight ahead
+  std::array<std::pair<Eigen::Vector2d, double>, 2> directions;  // each with its certainty straight ahead
   std::size_t num_directions = 0;
   const double length = parameters.half_length;
   if (!cell.is_thin) {
@@ -95,12 +95,12 @@ CurbCandidate candidate_of(const FoundStep& found, const TiltedCell& cell, const
   return candidate;
 }
 
-/// What a tilt looks like by itself (ablation).
+/// A candidate from the tilt alone (ablation).
 CurbCandidate candidate_of(const TiltedCell& cell) {
   CurbCandidate candidate;
   candidate.at = cell.at;
   candidate.up = cell.tilt.normalized();
-  candidate.height = 0.5 * cell.tilt.norm();  // what a step of that height tilts the normals by at sigma 0.3
+  candidate.height = 0.5 * cell.tilt.norm();  // the step that tilts normals by this much at sigma 0.3
   candidate.score = cell.tilt.norm();
   return candidate;
 }
@@ -123,7 +123,7 @@ std::vector<CurbCandidate> test_cell(const NearGroundPoints& points, const Tilte
 CurbEvidence find_curb_evidence(const tile::Around<tile::VotedTile>& tiles, const ground::GroundSurface& ground,
                                 const tile::CurbParameters& parameters) {
   CurbEvidence evidence;
-  thread_local NearGroundPoints points;  // for the sake of their memory
+  thread_local NearGroundPoints points;  // keeps its memory for the next tile
   thread_local StepWindow window;
   points.gather(tiles, ground, parameters);
   evidence.effort.points = points.num_gathered();

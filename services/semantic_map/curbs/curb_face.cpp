@@ -11,15 +11,15 @@ namespace {
 
 constexpr int kMinFacePoints = 3;
 
-/// A point that is the face's by its height, between the two sides: u, height above the low side.
+/// A point whose height, between the two sides, makes it one of the face: u, height above the low side.
 struct FacePoint {
   double u, above;
 };
 
-/// `memory`: that they are put into, and are part of.
+/// The points of the face, as a part of `memory`.
 std::span<FacePoint> face_points(const StepWindow& points, const HeightStep& step, std::vector<FacePoint>& memory) {
   constexpr double kNear = 0.15;                                         // m on each side of the step
-  if (memory.size() <= points.size()) memory.resize(points.size() + 1);  // one more, to be written over
+  if (memory.size() <= points.size()) memory.resize(points.size() + 1);  // one more, which the next one overwrites
   FacePoint* const found = memory.data();
   const double* const at_u = points.u.data();
   const double* const at_t = points.t.data();
@@ -41,7 +41,8 @@ std::span<FacePoint> face_points(const StepWindow& points, const HeightStep& ste
   return std::span(memory).first(n);
 }
 
-/// Noise of the two sides, low before the face and high behind it, would look like a lean: so only of a kerb's face.
+/// The lean of the points near the middle only: noise of the two sides, low before the face and high behind it, would
+/// look like a lean.
 FaceLean lean_of(std::span<const FacePoint> face, double middle) {
   constexpr double kFace = 0.06;  // m on each side of its middle
   const auto is_of_face = [&](const FacePoint& p) { return std::abs(p.u - middle) < kFace; };
@@ -66,8 +67,8 @@ FaceLean lean_of(std::span<const FacePoint> face, double middle) {
 }  // namespace
 
 CurbFace find_curb_face(const StepWindow& points, const HeightStep& step) {
-  constexpr double kSlack = 0.03;              // m: the grain that a step is sought at
-  thread_local std::vector<FacePoint> memory;  // for the sake of it
+  constexpr double kSlack = 0.03;              // m: steps are sought at this spacing
+  thread_local std::vector<FacePoint> memory;  // kept for the next call
   const std::span<FacePoint> of_face = face_points(points, step, memory);
   if (of_face.size() < kMinFacePoints) return {step.at, {}};
   const auto middle = of_face.begin() + static_cast<std::ptrdiff_t>(of_face.size() / 2);

@@ -14,29 +14,29 @@ namespace curbstone::semantic_map::curbs {
 
 namespace {
 
-constexpr double kAcross = 0.50;       // m: ghosts of a step appear this far beside it
-constexpr double kAlong = 0.15;        // m
-constexpr double kSameLine = 0.04;     // m: this close across is the same line, not a ghost
-constexpr double kMargin = 3.0;        // m around the tile that can matter
-constexpr double kMaxLineReach = 2.2;  // m each way that a line is looked at
+constexpr double kAcross = 0.50;       // m: ghosts of a step appear up to this far beside it
+constexpr double kAlong = 0.15;        // m: and this far along
+constexpr double kSameLine = 0.04;     // m: closer across is the same line, not a ghost
+constexpr double kMargin = 3.0;        // m around the tile within which candidates can matter
+constexpr double kMaxLineReach = 2.2;  // m each way over which a line is tested
 constexpr double kMinExtent = 0.8;     // m of line around a detection
-constexpr double kReaches = 2.0;       // of the evidence: where points are few, so are detections
-constexpr double kWeakReach = 1.5;     // m a weak detection may be from the line's strong ones
-constexpr int kRounds = 8;             // of kWeakReach: from one side of what matters to the other
-constexpr double kWeakLateral = 0.10;  // m off it
-constexpr double kWeakSupport = 2.5;   // of the certainty of a line: low steps must bear each other out as well
+constexpr double kReaches = 2.0;       // a line is tested over so many reaches of the evidence, as few points give few
+constexpr double kWeakReach = 1.5;     // m from a weak detection to the strong ones of its line, at most
+constexpr int kRounds = 8;             // of kWeakReach: enough to cross the tile and its margin
+constexpr double kWeakLateral = 0.10;  // m by which it may be off that line
+constexpr double kWeakSupport = 2.5;   // factor of line_sigmas: low steps must support each other, too
 
 /// A candidate that competes with others.
 struct Placed : PlacedCandidate {
   double certainty = 0;  ///< pooled along its line
 };
 
-/// How far a place is outside the tile, the larger of x and y; m.
+/// Distance of a place from the tile, the larger of x and y, m; negative inside.
 double outside(const Eigen::Vector2d& at) {
   return std::max((-at).maxCoeff(), at.maxCoeff() - kTileSize);
 }
 
-/// A curb point of the tile can only be where a candidate is.
+/// Whether a candidate may become a curb point of the tile.
 bool may_be_of_tile(const PlacedCandidate& p) {
   return outside(p.at) <= 0 && !(p.candidate->falls && !p.candidate->weak);
 }
@@ -49,8 +49,8 @@ std::vector<PlacedCandidate> candidates_around(const tile::Around<std::vector<Cu
   return candidates;
 }
 
-/// All that matter, in the order of x, and what the others along their lines say of them.
-std::vector<Placed> those_that_matter(const CandidateField& field) {
+/// The candidates within kMargin of the tile, by x, with their certainty pooled along their lines.
+std::vector<Placed> pooled_candidates(const CandidateField& field) {
   std::vector<Placed> placed;
   for (const PlacedCandidate& c : field.by_x()) {
     if (outside(c.at) < kMargin) placed.push_back({c, field.pool_along_line(c)});
@@ -58,7 +58,8 @@ std::vector<Placed> those_that_matter(const CandidateField& field) {
   return placed;
 }
 
-/// What goes on along its line comes first; ties by place, so that two never suppress each other.
+/// The candidate with more certainty along its line goes first; ties are broken by place, so that two candidates never
+/// suppress each other.
 bool outranks(const Placed& a, const Placed& b) {
   return std::make_tuple(a.certainty, a.at.x(), a.at.y()) > std::make_tuple(b.certainty, b.at.x(), b.at.y());
 }
@@ -75,7 +76,7 @@ bool is_ghost(const Placed& p, const std::vector<Placed>& all) {
   });
 }
 
-/// Of those on one line, whose own step is clear says best where and how high it is.
+/// Of candidates on one line, the one whose own step is clearest gives the best place and height.
 bool is_surer(const Placed& a, const Placed& b) {
   return a.certainty * a.candidate->score > b.certainty * b.candidate->score;
 }
@@ -111,7 +112,7 @@ LocalLine line_around(const Eigen::Vector2d& at, double radius, const std::vecto
   const double major = std::sqrt(std::max(0.0, values(1)));
   line.direction = vectors.col(1);
   line.linearity = major > 0 ? minor / major : 1;
-  line.extent = major * std::sqrt(12.0);  // of an even line
+  line.extent = major * std::sqrt(12.0);  // of evenly spaced points
   line.mean += at;
   return line;
 }
@@ -124,8 +125,7 @@ bool is_on_line(const Placed& p, const std::vector<Placed>& strong, const tile::
          line.extent > kMinExtent && std::abs(line.direction.dot(p.up)) < 0.6;
 }
 
-/// The steps along a line bear each other out: a short line must be of certain steps, a long one may be of less
-/// certain.
+/// Whether the steps along a line support each other: a short line needs more certain steps than a long one.
 bool is_supported(const Placed& p, const std::vector<Placed>& kept, const tile::CurbParameters& parameters) {
   if (!parameters.use_step) return true;  // a tilt alone has no certainty
   const auto alike = [&](const Placed& o) { return std::abs(o.up.dot(p.up)) > 0.6; };
@@ -143,8 +143,8 @@ bool continues_line(const Placed& p, const std::vector<Placed>& confirmed, const
   return lateral < kWeakLateral && std::abs(line.direction.dot(p.up)) < 0.4;
 }
 
-/// Low steps are taken in where they continue a line, and then those that continue them: a lowered kerb is followed
-/// from its ends, as far as it is seen to go on. `kept` stays in the order of x.
+/// Adds low steps that continue a line, then those that continue these, and so on: a lowered kerb is followed from its
+/// ends. `kept` stays sorted by x.
 void grow_lowered(std::vector<Placed> weak, const tile::CurbParameters& parameters, std::vector<Placed>& kept) {
   bool grows = true;
   for (int round = 0; grows && round < kRounds; ++round) {
@@ -157,32 +157,32 @@ void grow_lowered(std::vector<Placed> weak, const tile::CurbParameters& paramete
   }
 }
 
-/// Those that no rival suppresses, in the order of x: steps as high as a curb, and lower ones.
+/// The candidates that no rival suppresses, by x.
 struct Survivors {
-  std::vector<Placed> strong;
-  std::vector<Placed> weak;
+  std::vector<Placed> strong;  ///< as high as a curb
+  std::vector<Placed> weak;    ///< lower
 };
 
 Survivors suppress_ghosts(const std::vector<Placed>& all) {
   Survivors survivors;
   for (const Placed& p : all) {
-    // What falls only suppresses others: where noise is the best explanation there is no curb. Low steps need a line
-    // that they go on from, and a lowered kerb is a lip at the foot of a ramp.
+    // A step that falls only suppresses others: where noise is the best explanation, there is no curb. Low steps are
+    // exempt: they need a line that they continue, and a lowered kerb is a lip at the foot of a ramp.
     if (p.candidate->falls && !p.candidate->weak) continue;
     if (!is_ghost(p, all)) (p.candidate->weak ? survivors.weak : survivors.strong).push_back(p);
   }
   return survivors;
 }
 
-/// Those of which `accept(p)`.
+/// The candidates for which accept(p) is true.
 template <class Accept>
-std::vector<Placed> those(const std::vector<Placed>& candidates, Accept accept) {
+std::vector<Placed> filtered(const std::vector<Placed>& candidates, Accept accept) {
   std::vector<Placed> accepted;
   std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(accepted), accept);
   return accepted;
 }
 
-/// The surest one of each cell of the tile, by cell.
+/// The most certain candidate of each cell of the tile, by cell.
 std::map<int, Placed> surest_by_cell(const std::vector<Placed>& kept) {
   std::map<int, Placed> best;
   for (const Placed& p : kept) {
@@ -210,10 +210,11 @@ std::vector<CurbPoint> filter_curbs(const tile::Around<std::vector<CurbCandidate
                                     const tile::CurbParameters& parameters) {
   std::vector<PlacedCandidate> around = candidates_around(candidates);
   if (std::none_of(around.begin(), around.end(), may_be_of_tile)) return {};
-  Survivors survivors = suppress_ghosts(those_that_matter(CandidateField(std::move(around))));
+  Survivors survivors = suppress_ghosts(pooled_candidates(CandidateField(std::move(around))));
   const std::vector<Placed>& strong = survivors.strong;
-  const std::vector<Placed> on_line = those(strong, [&](const Placed& p) { return is_on_line(p, strong, parameters); });
-  std::vector<Placed> kept = those(on_line, [&](const Placed& p) { return is_supported(p, on_line, parameters); });
+  const std::vector<Placed> on_line =
+      filtered(strong, [&](const Placed& p) { return is_on_line(p, strong, parameters); });
+  std::vector<Placed> kept = filtered(on_line, [&](const Placed& p) { return is_supported(p, on_line, parameters); });
   grow_lowered(std::move(survivors.weak), parameters, kept);
 
   const std::vector<PlacedCandidate> of_lines(kept.begin(), kept.end());

@@ -13,12 +13,12 @@ namespace curbstone::semantic_map::curbs {
 namespace {
 
 constexpr double kReach = kLineReach;
-constexpr double kPlaceBin = kCellSize;  // m along: of the candidates of one place the best counts
-constexpr std::size_t kBins = 34;        // of them
-constexpr double kBeside = 0.06;         // m a foot may be across the line, at most
-constexpr double kDirection = 0.20;      // rad a candidate's direction may be off
-constexpr double kTurn = 0.20;           // rad the angle between two of them may be off
-constexpr double kMinAlike = 0.5;        // cosine
+constexpr double kPlaceBin = kCellSize;  // m along: of the candidates in one bin the best counts
+constexpr std::size_t kBins = 34;
+constexpr double kBeside = 0.06;     // m by which a foot may be off the line, at most
+constexpr double kDirection = 0.20;  // rad by which the direction of a candidate may be off
+constexpr double kTurn = 0.20;       // rad by which the angle between two candidates may be off
+constexpr double kMinAlike = 0.5;    // cosine
 static_assert(kBins * kPlaceBin > 2 * kReach);
 
 /// How well `b` lies on an arc along `a`, 0..1, and how far along.
@@ -52,8 +52,7 @@ struct Columns {
   const double *x, *y, *up_x, *up_y;
 };
 
-/// Which of `n` candidates on_arc() may give a weight, by its first conditions; 1 or 0. Many are looked at side by
-/// side.
+/// 1 for each of `n` candidates that on_arc() may give a weight, by its first conditions, else 0. Vectorised.
 CURBSTONE_VECTORISED
 void find_along(const Columns& others, std::size_t n, double at_x, double at_y, double up_x, double up_y,
                 double* __restrict found) {
@@ -83,7 +82,7 @@ CandidateField::CandidateField(std::vector<PlacedCandidate> candidates) : by_x_(
 double CandidateField::pool_along_line(const PlacedCandidate& candidate) const {
   const std::span<const PlacedCandidate> near = near_x(by_x_, candidate.at.x(), kLineReach);
   const auto first = near.data() - by_x_.data();
-  thread_local std::vector<double> found;  // for the sake of its memory
+  thread_local std::vector<double> found;  // kept for the next call
   if (found.size() < near.size()) found.resize(near.size());
   find_along({x_.data() + first, y_.data() + first, up_x_.data() + first, up_y_.data() + first}, near.size(),
              candidate.at.x(), candidate.at.y(), candidate.up.x(), candidate.up.y(), found.data());

@@ -17,26 +17,27 @@ namespace {
 
 constexpr double kMinSpread = 0.05;    // m, standard deviation of u on a side: a thin line of points is no side
 constexpr double kNoiseFloor = 0.004;  // m
-constexpr double kSlopeAcross = 0.30;  // 1 sigma of the slope that both sides share, against the ground's
-constexpr double kSlopeAlong = 0.05;
-// m, 1 sigma of a point's place, too large rather than too small. Range noise moves a point along its beam, which comes
-// in flat: farther is lower. So the few centimetres that a scan line is wide look like ground that falls away from the
-// sensor by the beam's own slope, 0.2 to 0.4, and the next line like a step up from there.
+constexpr double kSlopeAcross = 0.30;  // 1 sigma of the slope that both sides share, relative to the ground's
+constexpr double kSlopeAlong = 0.05;   // likewise, along the curb
+// m, 1 sigma of a point's position, rather too large than too small. Range noise moves a point along its beam, which
+// meets the ground at a small angle: farther is lower. So the few centimetres of a scan line's width look like ground
+// that falls away from the sensor with the slope of the beam, 0.2 to 0.4, and the next line looks like a step up.
 constexpr double kPlaceNoise = 0.04;
-// Of a step, put down to that noise: two thin sides far apart would leave nothing of it.
+// Largest share of a step that is attributed to that noise. Without a limit nothing would be left between two thin
+// sides that are far apart.
 constexpr double kMaxMissing = 0.5;
-// Of a step, what is there with no slope at all. The ground's own lean (below) takes up to half, over the 0.4 m from
-// one side to the other, and noise a little more. The noise within lines that run aslant makes both sides fall, and of
-// a step that it made a tenth is left.
+// Least share of a step that must remain without any slope. The lean of the DEM (below) takes up to half of it, over
+// the 0.4 m from one side to the other, and noise a little more. Noise within oblique scan lines makes both sides fall:
+// of a step that it causes, a tenth remains.
 constexpr double kMinLevel = 0.4;
-constexpr double kOwnLean = 1.2;  // slope of the refined ground about a step, for each m of its height (as measured)
+constexpr double kOwnLean = 1.2;  // slope of the DEM at a step, for each m of the step's height (measured)
 
-/// What the fits at all places say; `spread` is the smaller variance of u of the two sides.
+/// The fits at all places; `spread` is the smaller of the two sides' variances of u.
 struct StepFits {
   Places level, spread, height, full_height, roughness, sigma, slope_u, slope_t, low_z;
 };
 
-// Four places, in a register: of the same on plain numbers GCC does not make that.
+// Four places in a vector register. GCC does not vectorise the same code on plain numbers.
 using Quad = double __attribute__((vector_size(4 * sizeof(double))));
 
 [[gnu::always_inline]] inline const FourPlaces& four_of(const Places& places, std::size_t k) {
@@ -54,8 +55,8 @@ struct SideMeans {
         spread(four_of(side.uu, k) / n - u * u) {}
 };
 
-/// Scatter about the means, over both sides. That of (u, t) is S of the method, with the terms that keep the slope
-/// small: `place`, n kPlaceNoise^2, and the squares of the priors.
+/// Scatter about the means, over both sides. That of (u, t) is S of docs/method.md, including the terms that keep the
+/// slope small: `place`, which is n kPlaceNoise^2, and the squares of the priors.
 struct Scatter {
   Quad uu, ut, tt, uz, tz, zz;
   [[gnu::always_inline]] Scatter(const Sides& sides, std::size_t k, const SideMeans& l, const SideMeans& h,
@@ -70,15 +71,14 @@ struct Scatter {
         zz((four_of(sides.low.zz, k) - l.n * l.z * l.z) + (four_of(sides.high.zz, k) - h.n * h.z * h.z)) {}
 };
 
-/// Two half-planes at each place (docs/method.md, section 11): of z_0, h and the slope s that both share, those that
-/// minimise
+/// Fits two half-planes at each place (docs/method.md, section 11): z_0, h and the shared slope s that minimise
 ///
 ///     sum_i (z_i - z_0 - s . (u_i, t_i) - h [high side])^2 + n kPlaceNoise^2 |s|^2 + prior_u^2 s_u^2 + prior_t^2 s_t^2
 ///
-/// What the slope against the ground's may be is known beforehand: little along the curb, where thin scan lines that
-/// meet the two sides at different places would otherwise trade it for a step; more across, where the ground's own
-/// model leans at a curb. A side that is hardly wider than the noise of its points' places says little of it
-/// (regression with errors in both variables).
+/// The priors bound the slope relative to the DEM. Along the curb it is small: otherwise thin scan lines that meet the
+/// two sides at different places would trade slope for a step. Across the curb it may be larger, because the DEM leans
+/// at a curb. A side that is hardly wider than the position noise of its points determines the slope badly, which the
+/// term of kPlaceNoise accounts for (regression with errors in both variables).
 CURBSTONE_VECTORISED
 void fit_sides(const Sides& sides, double noise, StepFits& fits) {
   const double prior_u = noise / kSlopeAcross;
@@ -102,7 +102,7 @@ void fit_sides(const Sides& sides, double noise, StepFits& fits) {
     put(fits.slope_t, slope_t);
     const Quad rss = S.zz - (slope_u * S.uz + slope_t * S.tz);
     put(fits.roughness, (0 < rss ? rss : Quad{}) / (low.n + high.n - 4) + kNoiseFloor * kNoiseFloor);
-    // The step: what remains of the difference of the means. Its variance, in units of the residuals'.
+    // The step is what remains of the difference of the means; its variance is in units of that of the residuals.
     const Quad apart_u = high.u - low.u;
     const Quad apart_t = high.t - low.t;
     put(fits.level, high.z - low.z);
@@ -111,8 +111,8 @@ void fit_sides(const Sides& sides, double noise, StepFits& fits) {
     put(fits.sigma, 1 / low.n + 1 / high.n +
                         (apart_u * (inverse_uu * apart_u + inverse_ut * apart_t) +
                          apart_t * (inverse_ut * apart_u + inverse_tt * apart_t)));
-    // The heights are above ground that climbs the step within about a metre: against it both sides fall, and as much
-    // of that as was put down to noise is missing in the step.
+    // Heights are relative to the DEM, which climbs the step within about a metre. Relative to it both sides fall. The
+    // part of this fall that was attributed to noise is missing in the step.
     const Quad missing = kOwnLean * place * (inverse_uu * apart_u + inverse_ut * apart_t);
     const Quad most = Quad{} + kMaxMissing;
     put(fits.full_height, height / (1 - (missing < 0 ? Quad{} : missing > most ? most : missing)));
@@ -122,7 +122,7 @@ void fit_sides(const Sides& sides, double noise, StepFits& fits) {
   }
 }
 
-/// What fit_sides() leaves squared. There, a root that might set errno would keep the loop from going side by side.
+/// Takes the roots of what fit_sides() leaves squared. There, a root that may set errno would prevent vectorisation.
 void take_roots(const Sides& sides, StepFits& fits) {
   for (std::size_t four = 0; four < kFours; ++four) {
     if (!sides.any[four]) continue;
@@ -146,7 +146,7 @@ HeightStep step_of(const StepFits& fits, std::size_t k) {
   return step;
 }
 
-/// The step of the largest h / sigma_h, among the places where both sides are wide enough.
+/// The step with the largest h / sigma_h, among the places where both sides are wide enough.
 std::optional<HeightStep> most_certain(const StepFits& fits, const std::array<bool, kPlaces>& exist) {
   std::optional<std::size_t> best;
   for (std::size_t k = 0; k < kPlaces; ++k) {
@@ -156,8 +156,7 @@ std::optional<HeightStep> most_certain(const StepFits& fits, const std::array<bo
   return best ? std::optional(step_of(fits, *best)) : std::nullopt;
 }
 
-/// Of each point its height with the step's slope removed, and which side's it is: -1 the low one's, 1 the high one's,
-/// 0 none's.
+/// The height of each point with the step's slope removed, and its side: -1 the low one, 1 the high one, 0 neither.
 CURBSTONE_VECTORISED
 void level_sides(const double* u, const double* t, const double* z, const double* unfit, std::size_t n,
                  double half_length, const HeightStep& step, double half_window, double* __restrict level,
@@ -174,16 +173,16 @@ void level_sides(const double* u, const double* t, const double* z, const double
   }
 }
 
-/// A real step parts the heights of its two sides. Where scan lines lie in layers, one of which ends, both layers are
-/// found on one side.
+/// The height by which the two sides are separated. A real step separates them. Where scan lines lie in two layers, one
+/// of which ends, both layers are on one side, and nothing is separated.
 double clear_height(const StepWindow& points, const HeightStep& step, double half_window) {
-  thread_local std::vector<double> memory;  // for the sake of it
+  thread_local std::vector<double> memory;  // kept for the next call
   const std::size_t n = points.size();
   if (memory.size() < 4 * n + 2) memory.resize(4 * n + 2);
   double* const level = memory.data();
   double* const side = level + n;
   double* const low = side + n;
-  double* const high = low + n + 1;  // each has room for one more, to be written over
+  double* const high = low + n + 1;  // both have room for one more value, which the next one overwrites
   level_sides(points.u.data(), points.t.data(), points.z.data(), points.unfit.data(), n, points.half_length, step,
               half_window, level, side);
   std::size_t num_low = 0;
@@ -201,7 +200,7 @@ double clear_height(const StepWindow& points, const HeightStep& step, double hal
 CURBSTONE_VECTORISED
 int count_above(const double* u, const double* t, const double* z, std::size_t n, double half_length, double at,
                 double near, double above) {
-  std::int64_t count = 0;  // as wide as a double: so they go side by side
+  std::int64_t count = 0;  // as wide as a double, so that the loop is vectorised
   for (std::size_t i = 0; i < n; ++i)
     count += ((std::abs(t[i]) <= half_length) & (std::abs(u[i] - at) < near) & (z[i] > above)) ? 1 : 0;
   return static_cast<int>(count);

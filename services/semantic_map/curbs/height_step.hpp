@@ -9,13 +9,13 @@
 
 namespace curbstone::semantic_map::curbs {
 
-/// Points in the frame of a suspected step: u across it, towards the higher side, t along it, z above the DEM; m. By
-/// columns, of which only the first size() numbers mean anything: a window that is used again does not clear its
+/// Points in the frame of a suspected step: u across it, towards the higher side, t along it, z above the DEM; m.
+/// Stored by columns, of which only the first size() entries are valid: a window that is used again does not clear its
 /// memory.
 struct StepWindow {
   static constexpr double kUnfit = 1e9;
   std::vector<double> u, t, z;
-  std::vector<double> unfit;  ///< 0: may carry a side; kUnfit: only says where the face stands
+  std::vector<double> unfit;  ///< 0: the point may belong to a side; kUnfit: it only shows where the face is
   double half_length = 1e8;   ///< points with a larger |t| do not count
   std::size_t num_points = 0;
 
@@ -26,35 +26,35 @@ struct StepWindow {
   void add(double at_u, double at_t, double at_z, bool is_ground = true);
 };
 
-/// Two parallel half-planes, low for u < at and high beyond, with one slope that both share (so that camber, ramps and
-/// hills are no steps), fitted to the points. In the frame of the StepWindow: heights and slopes are relative to the
-/// DEM.
+/// Two parallel half-planes fitted to the points, the low one for u < at and the high one beyond. They share one slope,
+/// so that camber, ramps and hills are not taken for steps. In the frame of the StepWindow: heights and slopes are
+/// relative to the DEM.
 struct HeightStep {
   double at = 0;                                    ///< m in u: where the step is
   double height = 0;                                ///< m, of the fit, whose prior keeps the slope small
-  double level = 0;                                 ///< m, by which the two sides' means differ: with no slope at all
-  double full_height = 0;                           ///< m, with what the prior took from it: one to two times `height`
+  double level = 0;                                 ///< m, difference of the two sides' means: the step without a slope
+  double full_height = 0;                           ///< m, `height` without the bias of the prior: up to twice as high
   double sigma = 0;                                 ///< m, of `height`, from the residual noise of the data
   double roughness = 0;                             ///< m, residual RMS of the points about their half-planes
-  double low_z = 0;                                 ///< m, of the low side at (at, t = 0)
+  double low_z = 0;                                 ///< m, height of the low side at (at, t = 0)
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< of both sides, in u and t
 
-  /// Whether most of it is there only because both sides are fitted as falling.
+  /// Whether most of the step exists only because both sides are fitted as falling.
   [[nodiscard]] bool falls() const;
 };
 
-/// What the points about a step say besides.
+/// More evidence of the points around a step.
 struct StepSides {
   double clear = 0;    ///< m between the low side's upper fifth and the high side's lower fifth, slope removed
-  int face_above = 0;  ///< points that stand on the step and go on above it: a wall's
+  int face_above = 0;  ///< points above the step's face: it continues upwards, as a wall does
 };
 
-/// The step that is most certain, of all places within 0.18 m of u = 0 (docs/method.md, section 11). `noise`: m, 1
-/// sigma by which heights around scatter. Nothing where no place has two sides with enough points. Keeps memory for the
-/// next call, a copy for each thread; otherwise pure.
+/// The most certain step, of all places within 0.18 m of u = 0 (docs/method.md, section 11). `noise`: m, 1 sigma of the
+/// scatter of the heights around. Nothing if no place has two sides with enough points. Pure, except for scratch memory
+/// that each thread keeps for its next call.
 [[nodiscard]] std::optional<HeightStep> find_height_step(const StepWindow& points, double noise,
                                                          const tile::CurbParameters& parameters);
-/// Takes as long as find_height_step(): for steps that have passed every other test.
+/// Takes as long as find_height_step(), so call it for steps that have passed every other test.
 [[nodiscard]] StepSides evaluate_sides(const StepWindow& points, const HeightStep& step,
                                        const tile::CurbParameters& parameters);
 

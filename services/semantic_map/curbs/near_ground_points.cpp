@@ -11,9 +11,9 @@ namespace curbstone::semantic_map::curbs {
 namespace {
 
 constexpr double kWindowMargin = NearGroundPoints::kMarginCells * kCellSize;  // m: as far as a window reaches
-constexpr double kBelowGround = 0.30;                                         // m: what is lower is a stray
+constexpr double kBelowGround = 0.30;                                         // m: lower points are strays
 constexpr float kThinMass = 10;       // of the vote; even ground at sigma 0.3 m, thinned to 0.1 m, has 27
-constexpr double kMinNormalZ = 0.35;  // steeper is no curb at this scale, it is a wall
+constexpr double kMinNormalZ = 0.35;  // steeper is a wall, not a curb at this scale
 
 constexpr int kNowhere = -1;
 constexpr int kSide = NearGroundPoints::kSide;
@@ -25,7 +25,7 @@ bool is_of_tile(int cell) {
   return is_inner(cell % kSide) && is_inner(cell / kSide);
 }
 
-/// The cell of each of n points; kNowhere of what is not near the ground, or where there is none.
+/// The cell of each of n points; kNowhere for points that are not near the ground, or where no ground is known.
 CURBSTONE_VECTORISED
 void find_cells(const double* x, const double* y, const double* z, const double* ground, std::size_t n,
                 double max_above, int* __restrict cells) {
@@ -42,7 +42,7 @@ void find_cells(const double* x, const double* y, const double* z, const double*
   }
 }
 
-/// ground::may_be_ground() without branches, which nobody could foresee.
+/// ground::may_be_ground() without branches, because they would be mispredicted.
 bool carries_a_side(const tile::VotedTensor& point, const tile::CurbParameters& parameters) {
   return (point.mass > 0) & (static_cast<double>(point.normal.z()) >= parameters.min_normal_z) &
          ((static_cast<double>(point.stick) >= parameters.min_stick) | ground::is_scan_line(point));
@@ -61,8 +61,8 @@ void NearGroundPoints::gather(const tile::Around<tile::VotedTile>& tiles, const 
   describe(columns, parameters);
 }
 
-/// Most of the neighbours' points are not within the margin, in no order that a branch could foresee: what is left out
-/// is written over by the next.
+/// Collects the points within the margin, without a branch, because most of the neighbours' points are outside in an
+/// order that would be mispredicted: a point that is left out is overwritten by the next.
 void NearGroundPoints::find_places(const tile::Around<tile::VotedTile>& tiles) {
   n_ = 0;
   tiles.for_each([&](const tile::VotedTile& tile, double dx, double dy) {
@@ -94,7 +94,7 @@ void NearGroundPoints::find_places(const tile::Around<tile::VotedTile>& tiles) {
   });
 }
 
-/// What is near the ground, by counting.
+/// Sorts the points near the ground by cells (counting sort).
 void NearGroundPoints::sort(const tile::CurbParameters& parameters) {
   find_cells(at_x_.data(), at_y_.data(), at_z_.data(), ground_.data(), n_, parameters.max_step, cells_.data());
   std::size_t num_near = 0;
@@ -128,7 +128,7 @@ void NearGroundPoints::sort(const tile::CurbParameters& parameters) {
   }
 }
 
-/// How those of the tile itself tilt against the ground.
+/// Computes the tilt of the tile's own points relative to the ground.
 void NearGroundPoints::describe(const ground::GroundColumns& ground, const tile::CurbParameters& parameters) {
   for (std::vector<double>* column : {&slope_x_, &slope_y_, &noise_}) {
     if (column->size() < inner_.size()) column->resize(inner_.size());

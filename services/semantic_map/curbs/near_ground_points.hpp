@@ -12,18 +12,18 @@
 
 namespace curbstone::semantic_map::curbs {
 
-/// A point with what its normal says of the ground below it.
+/// A point with the tilt of its normal relative to the ground below it.
 struct NearGround {
   float x = 0, y = 0;            ///< m from the centre tile's corner
-  float tilt_x = 0, tilt_y = 0;  ///< slope of the surface against the ground's, by the normal
-  bool tilted = false;           ///< more than the normals around scatter
+  float tilt_x = 0, tilt_y = 0;  ///< slope of the surface by its normal, relative to the ground's
+  bool tilted = false;           ///< the tilt exceeds the scatter of the normals around
   bool is_line = false;          ///< the vote saw little more than a scan line
   bool operator==(const NearGround&) const = default;
 };
 
-/// Section VI: what is less than `max_step` (the paper: 0.5 m) above the ground, of a tile and 1.2 m around it, sorted
-/// into cells of 0.12 m so that a row of cells is one range. One object for many tiles, one after the other: it keeps
-/// its memory.
+/// Section VI: the points less than `max_step` (the paper: 0.5 m) above the ground, in a tile and 1.2 m around it. They
+/// are sorted into cells of 0.12 m, so that a row of cells is one range. The object keeps its memory, so use one for
+/// many tiles.
 class NearGroundPoints {
  public:
   static constexpr int kMarginCells = 10;
@@ -31,15 +31,15 @@ class NearGroundPoints {
   void gather(const tile::Around<tile::VotedTile>& tiles, const ground::GroundSurface& ground,
               const tile::CurbParameters& parameters);
 
-  /// All that were gathered, whether near the ground or not.
+  /// Number of points gathered, whether near the ground or not.
   [[nodiscard]] std::size_t num_gathered() const { return n_; }
-  /// visit(point) for all points in a cell of the tile itself.
+  /// Calls visit(point) for all points in a cell of the tile itself.
   template <class Visit>
   void for_cell(int column, int row, Visit visit) const {
     const auto [begin, end] = range(column, column, row);
     for (std::size_t i = begin; i < end; ++i) visit(described_[i]);
   }
-  /// First and behind the last of the points in a row's cells, columns inclusive, of the tile; empty if there are none.
+  /// Range [first, second) of the points in the cells of a row, from column0 to column1 inclusive.
   [[nodiscard]] std::pair<std::size_t, std::size_t> range(int column0, int column1, int row) const {
     if (column1 < column0) return {0, 0};
     column0 = std::clamp(column0 + kMarginCells, 0, kSide - 1);
@@ -48,8 +48,8 @@ class NearGroundPoints {
     return {static_cast<std::size_t>(start_[static_cast<std::size_t>(row * kSide + column0)]),
             static_cast<std::size_t>(start_[static_cast<std::size_t>(row * kSide + column1) + 1])};
   }
-  // All points by columns: x and y, m from the centre tile's corner, z, m above the DEM, and `unfit` as in StepWindow;
-  // kPadding numbers more than there are points.
+  // All points by columns: x and y in m from the centre tile's corner, z in m above the DEM, `unfit` as in StepWindow.
+  // Each column has kPadding more numbers than there are points.
   static constexpr std::size_t kPadding = 8;
   [[nodiscard]] const double* x() const { return x_.data(); }
   [[nodiscard]] const double* y() const { return y_.data(); }
@@ -66,15 +66,15 @@ class NearGroundPoints {
   std::vector<double> at_x_, at_y_;  // m from the centre tile's corner
   std::vector<double> at_z_;         // m in map
   std::vector<const tile::VotedTensor*> tensors_;
-  std::vector<int> cells_;      // of those near the ground
-  std::vector<double> ground_;  // m in map, the ground's height; NaN: there is none
-  // Those near the ground, by cells.
-  std::vector<NearGround> described_;  // those of the tile itself; what is at others' indices means nothing
+  std::vector<int> cells_;      // of the points near the ground
+  std::vector<double> ground_;  // m in map, height of the ground; NaN: unknown
+  // The points near the ground, by cells.
+  std::vector<NearGround> described_;  // valid for points of the tile itself only
   std::vector<double> x_, y_, z_, unfit_;
-  std::vector<std::uint32_t> near_;  // which of all they are, in their order
-  std::vector<int> start_;
-  std::vector<int> next_;
-  // Of those, the ones of the tile itself, in any order.
+  std::vector<std::uint32_t> near_;  // their indices among all points, in order
+  std::vector<int> start_;           // of each cell
+  std::vector<int> next_;            // scratch: the next free place in each cell
+  // Those of the tile itself, in any order.
   struct Inner {
     std::size_t index;
     const tile::VotedTensor* tensor;

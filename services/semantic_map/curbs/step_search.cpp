@@ -11,7 +11,7 @@ namespace curbstone::semantic_map::curbs {
 namespace {
 
 constexpr std::size_t kEnoughPoints = 100;  // in the short window
-constexpr int kMaxFacePoints = 3;           // on the step and above it: more are a wall's
+constexpr int kMaxFacePoints = 3;           // on the step and above it: more belong to a wall
 constexpr double kSearch = 0.24;            // m: how far the found step may be from the place
 constexpr double kSameDirection = 0.97;     // cosine: less than the turns between two directions
 
@@ -20,11 +20,11 @@ struct Interval {
   double from, to;
 };
 
-/// The places between two parallel lines: |a x + b y| <= most.
+/// The strip between two parallel lines: |a x + b y| <= most.
 class Band {
  public:
   Band(double a, double b, double most) : b_(b), most_(most), inverse_a_(std::abs(a) < 1e-2 ? 0 : 1 / a) {}
-  /// Those of x for which there is such a place with some y.
+  /// The part of interval x in which the strip contains a point with a y in interval y.
   [[nodiscard]] Interval cut(const Interval& x, const Interval& y) const {
     if (inverse_a_ == 0) return x;
     const double p = (-most_ - std::max(b_ * y.from, b_ * y.to)) * inverse_a_;
@@ -36,9 +36,9 @@ class Band {
   double b_, most_, inverse_a_;
 };
 constexpr std::size_t kMaxRows = NearGroundPoints::kSide;
-constexpr double kRounding = 1e-4;  // m: how much too small an interval may be
+constexpr double kRounding = 1e-4;  // m by which rounding may make an interval too small
 
-/// What is looked at for a step: a rectangle about a cell, `up` across it.
+/// The window in which a step is sought: a rectangle around a cell, `up` across the step.
 struct StepRectangle {
   Eigen::Vector2d at;
   Eigen::Vector2d up;
@@ -46,12 +46,13 @@ struct StepRectangle {
   double half_length;  ///< m
 };
 
-/// Points side by side, and where they go in the window.
+/// Consecutive points, and their place in the window.
 struct Run {
   std::size_t from, to, size;
 };
 
-/// Eight at a time: what is taken beyond a run's end is written over by the next run, or lies beyond the window's end.
+/// Transforms points to the frame of the window, eight at a time. Those taken beyond the end of a run are overwritten
+/// by the next run, or lie beyond the end of the window.
 CURBSTONE_VECTORISED
 void turn_points(const double* x, const double* y, const double* z, const double* unfit, const Run* runs,
                  std::size_t num_runs, const StepRectangle& r, double* __restrict u, double* __restrict t,
@@ -75,9 +76,35 @@ void turn_points(const double* x, const double* y, const double* z, const double
   }
 }
 
-/// The points in the rectangle and, unless `exactly`, those beyond its two ends across. Others around it may be among
-/// them, too far along to count.
-void fill_window(const NearGroundPoints& points, const StepRectangle& r, bool exactly, StepWindow& window) {
+std::size_t count_points(const StepWindow& window) {
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < window.size(); ++i) n += window.has(i) ? 1U : 0U;
+  return n;
+}
+
+/// The height of a step in units of its threshold, which follows from its uncertainty and the noise around: 1 and more
+/// is a step, if separates_sides().
+double certainty(const HeightStep& step, double noise, const tile::CurbParameters& parameters) {
+  const double sigma = step.sigma * std::max(1.0, noise / step.roughness);
+  return step.height /
+         std::max({parameters.min_weak_step, parameters.step_sigmas * sigma, parameters.layer_sigmas * noise});
+}
+
+/// Whether a step separates the heights of its two sides, and is not the foot of a wall.
+bool separates_sides(const StepSides& sides, const HeightStep& step, const tile::CurbParameters& parameters) {
+  return sides.face_above <= kMaxFacePoints && sides.clear >= parameters.clear_share * step.height;
+}
+
+bool is_more_certain(const HeightStep& a, const HeightStep& b) {
+  return a.height * b.sigma > b.height * a.sigma;
+}
+
+}  // namespace
+
+/// Fills the window with the points of the rectangle; with kLengthwise also with those beyond its two sides. Others
+/// around it may be among them: they are too far along to count (StepWindow::has()).
+void StepSearch::fill_window(const Eigen::Vector2d& up, double half_length, Trim trim) {
+  const StepRectangle r{at_, up, parameters_.half_window + kSearch, half_length};
   const Eigen::Vector2d along(-r.up.y(), r.up.x());
   const double extent_x = std::abs(r.up.x()) * r.half_width + std::abs(along.x()) * r.half_length;
   const double extent_y = std::abs(r.up.y()) * r.half_width + std::abs(along.y()) * r.half_length;
@@ -93,59 +120,35 @@ void fill_window(const NearGroundPoints& points, const StepRectangle& r, bool ex
   std::size_t num_runs = 0;
   std::size_t n = 0;
   for (int row = std::max(cell_at(r.at.y() - extent_y), -NearGroundPoints::kMarginCells); row <= row1; ++row) {
-    // Of this row only as far as the rectangle may reach in it.
+    // Only the part of the row that the rectangle may cover.
     const Interval y{row * kCellSize - r.at.y(), (row + 1) * kCellSize - r.at.y()};
     Interval x = lengthwise.cut(box, y);
-    if (exactly) x = crosswise.cut(x, y);
-    const auto [begin, end] = points.range(std::max(column0, cell_at(r.at.x() + x.from - kRounding)),
-                                           std::min(column1, cell_at(r.at.x() + x.to + kRounding)), row);
+    if (trim == Trim::kBothWays) x = crosswise.cut(x, y);
+    const auto [begin, end] = points_.range(std::max(column0, cell_at(r.at.x() + x.from - kRounding)),
+                                            std::min(column1, cell_at(r.at.x() + x.to + kRounding)), row);
     const std::size_t num = end - begin;
     if (num == 0) continue;
     runs[num_runs++] = {begin, n, num};
     n += num;
   }
-  window.resize(n + NearGroundPoints::kPadding);  // room for what is taken beyond the end
-  turn_points(points.x(), points.y(), points.z(), points.unfit(), runs.data(), num_runs, r, window.u.data(),
-              window.t.data(), window.z.data(), window.unfit.data());
-  window.resize(n);
-  window.half_length = r.half_length;
+  window_.resize(n + NearGroundPoints::kPadding);  // turn_points() takes points in eights
+  turn_points(points_.x(), points_.y(), points_.z(), points_.unfit(), runs.data(), num_runs, r, window_.u.data(),
+              window_.t.data(), window_.z.data(), window_.unfit.data());
+  window_.resize(n);
+  window_.half_length = r.half_length;
 }
-
-std::size_t count_points(const StepWindow& window) {
-  std::size_t n = 0;
-  for (std::size_t i = 0; i < window.size(); ++i) n += window.has(i) ? 1U : 0U;
-  return n;
-}
-
-/// A step against its own uncertainty and the noise of its surroundings: from 1 on it is one...
-double certainty(const HeightStep& step, double noise, const tile::CurbParameters& parameters) {
-  const double sigma = step.sigma * std::max(1.0, noise / step.roughness);
-  return step.height /
-         std::max({parameters.min_weak_step, parameters.step_sigmas * sigma, parameters.layer_sigmas * noise});
-}
-
-/// ... and on both sides.
-bool parts_its_sides(const StepSides& sides, const HeightStep& step, const tile::CurbParameters& parameters) {
-  return sides.face_above <= kMaxFacePoints && sides.clear >= parameters.clear_share * step.height;
-}
-
-bool is_more_certain(const HeightStep& a, const HeightStep& b) {
-  return a.height * b.sigma > b.height * a.sigma;
-}
-
-}  // namespace
 
 bool StepSearch::fit_nearby(const Eigen::Vector2d& up, double half_length) {
-  fit_window(up, half_length, false);
+  fit_window(up, half_length, Trim::kLengthwise);
   return count_points(window_) > kEnoughPoints;
 }
 
-double StepSearch::fit_window(const Eigen::Vector2d& up, double half_length, bool exactly) {
-  fill_window(points_, {at_, up, parameters_.half_window + kSearch, half_length}, exactly, window_);
+double StepSearch::fit_window(const Eigen::Vector2d& up, double half_length, Trim trim) {
+  fill_window(up, half_length, trim);
   ++effort_.windows;
   effort_.window_points += window_.size();
   const auto step = find_height_step(window_, noise_, parameters_);
-  // What is cheap to check comes first.
+  // Cheap checks first.
   if (!step) return 0;
   const double certain = certainty(*step, noise_, parameters_);
   if (!(certain >= 1) || step->height > parameters_.max_step) return certain;
@@ -156,7 +159,7 @@ double StepSearch::fit_window(const Eigen::Vector2d& up, double half_length, boo
   }
   if (rival != nullptr && !is_more_certain(*step, rival->step)) return certain;
   const StepSides sides = evaluate_sides(window_, *step, parameters_);
-  if (!parts_its_sides(sides, *step, parameters_)) return certain;
+  if (!separates_sides(sides, *step, parameters_)) return certain;
   const FoundStep found{*step, find_curb_face(window_, *step), up, half_length};
   if (rival != nullptr)
     *rival = found;

@@ -13,7 +13,7 @@ namespace curbstone::semantic_map::curbs {
 namespace {
 
 constexpr int kMinPoints = 6;     // a side
-constexpr int kMinFarPoints = 3;  // in a side's outer half: ground that goes on, not the face of something
+constexpr int kMinFarPoints = 3;  // in a side's outer half: ground that continues, not the face of something
 
 constexpr std::size_t kMoments = 9;
 
@@ -30,22 +30,22 @@ struct Moments {
 static_assert(2 * kShift + 1 <= static_cast<int>(kPlaces));
 static_assert(kPlaces % 4 == 0);
 
-/// The window cut into strips along the step: `half` of them on each side of u = 0. Kept for the sake of its memory.
+/// The window cut into strips along the step: `half` of them on each side of u = 0. The object keeps its memory.
 struct Strips {
-  /// What points beyond all strips are added to, in turn, so that none waits for the one before.
+  /// Dummy strips for points outside all strips. They are used in turn, so that no addition waits for the one before.
   static constexpr int kBeyond = 8;
   int half = 0;
-  std::vector<int> of_point;        ///< strip of each point that may carry a side, else one of kBeyond behind them
-  std::vector<int> points_before;   ///< of those points, in all strips before each
-  std::vector<int> covered_before;  ///< strips with points, before each
-  std::vector<Moments> moments;     ///< of each strip, and of those beyond
-  std::vector<double> sums;         ///< the same, moment by moment, so that many places are summed up side by side
+  std::vector<int> of_point;        ///< strip of each point that may belong to a side, else a dummy strip
+  std::vector<int> points_before;   ///< number of such points in all strips before each strip
+  std::vector<int> covered_before;  ///< number of strips with points before each strip
+  std::vector<Moments> moments;     ///< of each strip, and of the dummy strips
+  std::vector<double> sums;         ///< the same, moment by moment, so that several places are summed together
 
   void sum(const StepWindow& points, int num_half);
   void count();
   void arrange();
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(2 * half); }
-  /// From one moment to the next; behind a moment's strips are as many zeros as may be read there.
+  /// Distance from one moment to the next in `sums`; the strips of each are followed by kPlaces zeros.
   [[nodiscard]] std::size_t stride() const { return size() + kPlaces; }
   [[nodiscard]] int points_in(int from, int to) const {
     return points_before[static_cast<std::size_t>(to)] - points_before[static_cast<std::size_t>(from)];
@@ -67,8 +67,8 @@ void find_strips(const double* u, const double* t, const double* unfit, std::siz
   }
 }
 
-/// In each strip point by point in their order: so the sums do not depend on how they are computed. The number of
-/// points goes with them: to count first would take as long.
+/// Adds the points of each strip in their order, so that the sums do not depend on the instruction set. The points are
+/// counted in the same pass, because a pass of its own would take as long.
 CURBSTONE_VECTORISED
 void sum_strips(const double* u, const double* t, const double* z, const int* strip, std::size_t n, Moments* moments) {
   for (std::size_t i = 0; i < n; ++i) {
@@ -114,15 +114,17 @@ void Strips::arrange() {
   }
 }
 
-/// A side is ground seen all over, not a scan line or two that run along the step: all points of a line may be off by
-/// the same, and nothing else there would say so. Its outer half is from `far_from` to `far_to`.
+/// Whether strips `from` to `to` are a side: ground that is covered with points, not one or two scan lines along the
+/// step. All points of a scan line may have the same error, which nothing else there would show. The outer half of the
+/// side is `far_from` to `far_to`.
 bool is_side(const Strips& strips, int from, int to, int far_from, int far_to, double min_cover) {
   return strips.points_in(from, to) >= kMinPoints && strips.points_in(far_from, far_to) >= kMinFarPoints &&
          strips.covered(from, to) >= min_cover * (to - from);
 }
 
-/// Which strips are the sides' at each place of the step. At place i it is between strips first + i - 1 and first + i;
-/// the sides begin kFaceBins from it and end `window` from it, and their outer halves begin `far` from it.
+/// The strips of the two sides at each place of the step. At place i the step is between strips first + i - 1 and first
+/// + i; the sides begin kFaceBins strips from it and end `window` strips from it; their outer halves begin `far` from
+/// it.
 struct SideStrips {
   int window;
   int far;
@@ -148,7 +150,8 @@ void count_sides(const Strips& strips, const SideStrips& at_places, double min_c
   }
 }
 
-/// The sums over strips `from` .. `to` - 1 of the first place, one on of the next; of the fours that there are `any`.
+/// The sums over strips `from` .. `to` - 1 for the first place, one strip further for the next, and so on. Only for
+/// those fours for which `any` is set.
 CURBSTONE_VECTORISED
 void sum_side(const double* of_strips, std::size_t stride, std::size_t from, std::size_t to, const bool* any,
               SideSums& side) {
@@ -180,7 +183,7 @@ void sum_sides(const Strips& strips, const SideStrips& at_places, Sides& sides) 
 
 bool measure_sides(const StepWindow& points, const tile::CurbParameters& parameters, Sides& sides) {
   const SideStrips at_places(parameters);
-  thread_local Strips strips;  // for the sake of its memory
+  thread_local Strips strips;  // keeps its memory for the next call
   strips.sum(points, at_places.half);
   strips.count();
   count_sides(strips, at_places, parameters.min_cover, sides);

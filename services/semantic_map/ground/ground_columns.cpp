@@ -8,9 +8,8 @@ namespace {
 
 constexpr int kNodes = GroundColumns::kNodes;
 
-/// Of the four nodes about a place which they are and what each counts, as GroundSurface::blend() says. The same
-/// operations in the same order, without its branches: what counts nothing adds 0, and nothing is beyond the outer
-/// nodes.
+/// The four nodes around a place and their weights, as in GroundSurface::blend(). The same operations in the same
+/// order, but without branches: a node without weight adds 0, and no place lies beyond the outer nodes.
 struct Corners {
   int first;                  // the node of the lowest column and row
   double w00, w01, w10, w11;  // by row and column
@@ -41,7 +40,7 @@ struct Corners {
     sum += w10;
     sum += w11;
   }
-  /// The weighted mean of what the nodes say, in the order of the weights. Of no nodes it is 0 / 0: NaN.
+  /// The weighted mean of the nodes' values, in the order of the weights. NaN (0 / 0) if there is no node.
   [[gnu::always_inline]] double mean(double v00, double v01, double v10, double v11) const {
     double total = 0;
     total += w00 * v00;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kSamplesPerSide = 3 * GroundSamples::kPerSide;  // over the 9 m
 constexpr int kRoadCells = kSamplesPerSide / 2;               // of 0.5 m
-constexpr double kNormalReach = 1.5;  // m, of the median of a node's normals: wide, so that a curb is a minority
+constexpr double kNormalReach = 1.5;  // m: the median of the normals is taken so widely that a curb is a minority
 
 using SampleGrid = std::array<const GroundSample*, kSamplesPerSide * kSamplesPerSide>;
 
@@ -26,7 +26,7 @@ constexpr std::size_t road_index(int column, int row) {
   return static_cast<std::size_t>(row * kRoadCells + column);
 }
 
-/// A sample's place, m from the centre tile's corner.
+/// The sample with its position in m from the centre tile's corner.
 PlaneSample plane_sample(const GroundSample& s, int column, int row) {
   return {double{s.x} + (column / GroundSamples::kPerSide - 1) * kTileSize,
           double{s.y} + (row / GroundSamples::kPerSide - 1) * kTileSize, double{s.z}, 1.0};
@@ -46,7 +46,7 @@ SampleGrid sample_grid(const tile::Around<GroundSamples>& samples) {
 }
 
 /// The range of cells along one axis, of `size` m each, that may contain samples within `reach` of a place (m from the
-/// centre tile's corner): one more on each side, for rounding.
+/// centre tile's corner), with one more cell on each side for rounding.
 struct CellSpan {
   int first, last;
   CellSpan(double at, double reach, double size, int cells)
@@ -58,7 +58,7 @@ CellSpan samples_about(double at, double reach) {
   return {at, reach, GroundSamples::kCell, kSamplesPerSide};
 }
 
-/// A plane fitted from below: what is above it (cars, hedges) has little weight.
+/// A plane fitted from below: points above it (cars, hedges) have little weight.
 std::optional<Plane> rough_ground(const SampleGrid& grid) {
   std::vector<PlaneSample> samples;
   std::vector<double> heights;
@@ -107,7 +107,7 @@ bool stands_above_neighbours(const std::vector<double>& low, int column, int row
       lowest = std::min(lowest, height);
     }
   }
-  // Most are not even above the lowest.
+  // The first test is cheap, and most cells fail it.
   return here > lowest + kMaxAboveNeighbours && here > quantile_in_place(around, 0.25) + kMaxAboveNeighbours;
 }
 
@@ -134,8 +134,8 @@ std::vector<double> road_heights(const SampleGrid& grid, const Plane& rough) {
 double layer_noise(const SampleGrid& grid, const Plane& rough, double x, double y) {
   constexpr double kReach = 1.5;  // m
   constexpr double kQuantile = 0.7;
-  constexpr double kOfPairs = 1.466;   // that quantile of |a - b| in sigmas
-  constexpr double kOfSpreads = 1.10;  // and of the RMS of few
+  constexpr double kOfPairs = 1.466;   // this quantile of |a - b|, in sigmas (normal distribution)
+  constexpr double kOfSpreads = 1.10;  // and that of the RMS of a few values
   std::vector<double> spreads;
   std::vector<double> jumps;
   const CellSpan rows = samples_about(y, kReach);
@@ -286,7 +286,7 @@ template <class Visit>
 double GroundSurface::blend(double x, double y, Visit visit) const {
   const double column = (x + kTileSize) / GroundModel::kCell - 0.5;
   const double row = (y + kTileSize) / GroundModel::kCell - 0.5;
-  // Truncated: as rounded down, for what is below 0 is clamped.
+  // Truncation rounds down here, because values below 0 are clamped.
   const int c0 = std::clamp(static_cast<int>(column), 0, kNodes - 2);
   const int r0 = std::clamp(static_cast<int>(row), 0, kNodes - 2);
   const double fx = std::clamp(column - c0, 0.0, 1.0);

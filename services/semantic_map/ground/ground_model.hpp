@@ -8,26 +8,27 @@
 
 namespace curbstone::semantic_map::ground {
 
-/// Section VI, digital elevation map. Rough ground: one robust plane over the 9 m around the tile (the paper: 10 m).
-/// Road height: the lowest layer of each 0.5 m cell, where its neighbours agree (tree tops and car roofs do not).
-/// Refined: every 1 m cell's own robust plane, so that slopes and crossfall stay ground.
+/// A node of the digital elevation map: the refined ground around it.
 struct GroundNode {
   bool valid = false;
-  Plane plane;                                             ///< about the node: m in map
-  Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();  ///< slope by the normals nearby, median
+  Plane plane;                                             ///< with the node as its reference point; heights: m in map
+  Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();  ///< median slope by the normals nearby
   double normal_noise = 0;                                 ///< its noise (1 sigma, from the median deviation)
-  double layer_noise = 0;  ///< m, 1 sigma of the ground's height from scan line to scan line around
-  Eigen::Vector2d coarse_tilt =
-      Eigen::Vector2d::Zero();  ///< slope of all ground within 1.5 m against the rough ground's
+  double layer_noise = 0;  ///< m, 1 sigma of the ground's height from scan line to scan line
+  /// Slope of all ground within 1.5 m, relative to that of the rough ground.
+  Eigen::Vector2d coarse_tilt = Eigen::Vector2d::Zero();
   bool operator==(const GroundNode&) const = default;
 };
 
-/// The DEM's nodes in a tile: at the centres of its 3 x 3 squares of 1 m.
+/// The digital elevation map of a tile (section VI of the paper), in three layers. The rough ground is one robust plane
+/// over the 9 m around the tile (the paper: 10 m). The road height is the lowest sample of each 0.5 m cell, unless its
+/// neighbours are lower (tree tops, car roofs). The nodes, at the centres of the 3 x 3 squares of 1 m, each have a
+/// robust plane of their own, so that slopes and crossfall are ground.
 struct GroundModel {
   static constexpr int kPerSide = 3;
   static constexpr double kCell = kTileSize / kPerSide;  ///< 1 m
   std::array<GroundNode, kPerSide * kPerSide> nodes{};
-  std::optional<Plane> rough;  ///< about the tile's corner
+  std::optional<Plane> rough;  ///< reference point: the tile's corner
   static constexpr int kRoadPerSide = 6;
   /// m in map, road height of the 0.5 m cells, row by row from the lowest y; NaN: none
   std::array<float, kRoadPerSide * kRoadPerSide> road{};
@@ -37,7 +38,7 @@ struct GroundModel {
   }
 };
 
-/// Whether both models give the same GroundSurface. (The road heights, some of which are NaN, are no part of it.)
+/// Whether both models give the same GroundSurface. (It does not use the road heights, some of which are NaN.)
 [[nodiscard]] inline bool is_same_surface(const GroundModel& a, const GroundModel& b) {
   return a.nodes == b.nodes && a.rough == b.rough;
 }
@@ -45,13 +46,13 @@ struct GroundModel {
 /// Models the ground of a tile, from its samples and its neighbours'.
 [[nodiscard]] GroundModel model_ground(const tile::Around<GroundSamples>& samples);
 
-/// The ground at a place; slopes and noise as in GroundNode, in map's axes.
+/// The ground at a place; slopes and noise as in GroundNode, in the axes of map.
 struct GroundAt {
   double height = 0;                                       ///< m in map
   Eigen::Vector2d normal_slope = Eigen::Vector2d::Zero();  ///< by the normals
   double normal_noise = 0;                                 ///< 1 sigma of that
   double layer_noise = 0;                                  ///< m, 1 sigma
-  Eigen::Vector2d coarse_tilt = Eigen::Vector2d::Zero();   ///< slope against the rough ground's
+  Eigen::Vector2d coarse_tilt = Eigen::Vector2d::Zero();   ///< slope relative to the rough ground's
 };
 
 /// The part of GroundAt that every point needs.

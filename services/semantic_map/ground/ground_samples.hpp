@@ -32,8 +32,7 @@ struct GroundSamples {
 /// Computes the samples of one tile, without its neighbours.
 [[nodiscard]] GroundSamples sample_ground(const tile::VotedTile& tile, const tile::CurbParameters& parameters);
 
-/// The vote had a single scan line: it is no evidence for a surface, and none against one (tensor_voting.md, section
-/// 6).
+/// The vote saw a single scan line, which is evidence neither for a surface nor against one.
 [[nodiscard]] inline bool is_scan_line(const tile::VotedTensor& point) {
   return point.plate > 0.5F;
 }

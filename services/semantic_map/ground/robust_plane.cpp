@@ -10,7 +10,7 @@ namespace curbstone::semantic_map::ground {
 
 namespace {
 
-/// Samples by columns, and what each weighs for a plane.
+/// Samples by columns, with their weights in the fit of a plane.
 class Columns {
  public:
   explicit Columns(const std::vector<PlaneSample>& samples) : n_(samples.size()), memory_(5 * n_) {
@@ -24,15 +24,15 @@ class Columns {
   double* x() { return memory_.data(); }
   double* y() { return memory_.data() + n_; }
   double* z() { return memory_.data() + 2 * n_; }
-  double* weight() { return memory_.data() + 3 * n_; }  ///< the sample's own
-  double* fitted() { return memory_.data() + 4 * n_; }  ///< for the plane
+  double* weight() { return memory_.data() + 3 * n_; }  ///< PlaneSample::weight
+  double* fitted() { return memory_.data() + 4 * n_; }  ///< weight in the present iteration
 
  private:
   std::size_t n_;
   std::vector<double> memory_;
 };
 
-/// The weight of each sample for a plane.
+/// The Cauchy weight of each sample, by its residual from a plane.
 CURBSTONE_VECTORISED
 void weigh(const double* x, const double* y, const double* z, const double* weight, std::size_t n, const Plane& plane,
            double scale_above, double scale_below, double* __restrict fitted) {
@@ -48,14 +48,14 @@ void weigh(const double* x, const double* y, const double* z, const double* weig
 
 using Four = double __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double))));
 
-/// Sums of weighted least squares over rows (1, x, y): of the weight w with them and z, and of these with x and with y.
+/// Sums of weighted least squares over rows (1, x, y): w, wx, wy, wz, and their products with x and y.
 struct PlaneEquations {
   Four w_wx_wy_wz{};
   Four wxx_wyx_wzx{};
   Four wyy_wzy{};
 };
 
-/// Sample by sample in their order; one instruction adds to several sums.
+/// Adds the samples in their order, each to several sums in one vector instruction.
 CURBSTONE_VECTORISED
 void sum_up(const double* x, const double* y, const double* z, const double* fitted, std::size_t n,
             PlaneEquations& sum) {

@@ -12,21 +12,21 @@
 namespace curbstone::semantic_map::marking_lines {
 namespace {
 
-constexpr double kShortestBar = 1.2;   // m
-constexpr double kLongestBar = 8.0;    // m
-constexpr double kNarrowestBar = 0.2;  // m
-constexpr double kAlike = 0.97;        // cosine between bars
-constexpr double kNearest = 0.5;       // m between centres, across the bars
-constexpr double kFarthest = 1.7;      // m
-constexpr double kShift = 0.8;         // m, offset along each other
-constexpr double kUneven = 0.35;       // of the median distance
-constexpr double kBeyond = 0.3;        // m by which paint may extend beyond the ends of the neighbouring bars
-constexpr double kWhole = 0.6;         // of the crossing's width: a bar at least this long is complete
-constexpr std::size_t kFewestBars = 3;
+constexpr double kMinBarLength = 1.2;    // m
+constexpr double kMaxBarLength = 8.0;    // m
+constexpr double kMinBarWidth = 0.2;     // m
+constexpr double kMinBarCosine = 0.97;   // cosine between bars
+constexpr double kMinBarDistance = 0.5;  // m between centres, across the bars
+constexpr double kMaxBarDistance = 1.7;  // m
+constexpr double kShift = 0.8;           // m, offset along each other
+constexpr double kUneven = 0.35;         // of the median distance
+constexpr double kBeyond = 0.3;          // m by which paint may extend beyond the ends of the neighbouring bars
+constexpr double kWhole = 0.6;           // of the crossing's width: a bar at least this long is complete
+constexpr std::size_t kMinBars = 3;
 
 bool is_bar(const MarkingPiece& piece) {
-  return piece.length() >= kShortestBar && piece.length() <= kLongestBar && piece.width >= kNarrowestBar &&
-         std::abs(piece.begin_direction.dot(piece.end_direction)) > kAlike;
+  return piece.length() >= kMinBarLength && piece.length() <= kMaxBarLength && piece.width >= kMinBarWidth &&
+         std::abs(piece.begin_direction.dot(piece.end_direction)) > kMinBarCosine;
 }
 
 /// Whether two bars lie beside each other as those of a crossing do, `nearest` to `farthest` m across.
@@ -34,7 +34,7 @@ bool are_side_by_side(const MarkingPiece& a, const MarkingPiece& b, double neare
   const Eigen::Vector2d d = b.middle() - a.middle();
   if (d.norm() > farthest + kShift) return false;
   const Eigen::Vector2d along = a.direction();
-  if (std::abs(along.dot(b.direction())) < kAlike) return false;
+  if (std::abs(along.dot(b.direction())) < kMinBarCosine) return false;
   const double across = std::abs(d.x() * along.y() - d.y() * along.x());
   return across >= nearest && across <= farthest && std::abs(d.dot(along)) <= kShift &&
          std::min(a.length(), b.length()) > 0.6 * std::max(a.length(), b.length());
@@ -45,7 +45,7 @@ struct Crossing {
   Eigen::Vector2d along = Eigen::Vector2d::UnitX();
   Eigen::Vector2d across = Eigen::Vector2d::UnitY();
   double begin = 0, end = 0;   ///< m along, the median of its bars
-  double apart = 0;            ///< m from bar to bar; 0: no two are neighbours
+  double apart = 0;            ///< m from bar to bar; 0: no two bars are neighbours
   std::vector<double> places;  ///< m across, of each bar, sorted
 
   explicit Crossing(const std::vector<const MarkingPiece*>& bars)
@@ -59,10 +59,10 @@ struct Crossing {
       places.push_back(bar->middle().dot(across));
     }
     std::sort(places.begin(), places.end());
-    std::vector<double> gaps;  // those that lead across a missed bar are larger
+    std::vector<double> gaps;  // without those across a missed bar, which are larger
     for (std::size_t i = 1; i < places.size(); ++i) {
       const double gap = places[i] - places[i - 1];
-      if (gap >= kNearest && gap <= kFarthest) gaps.push_back(gap);
+      if (gap >= kMinBarDistance && gap <= kMaxBarDistance) gaps.push_back(gap);
     }
     begin = median_of(begins);
     end = median_of(ends);
@@ -76,11 +76,11 @@ struct Crossing {
     return 3 * even >= 2 * (places.size() - 1);
   }
   [[nodiscard]] bool has_pace(double gap) const { return std::abs(gap - apart) <= slack(); }
-  /// The same; also of two bars with a missed one between them.
+  /// The same, or the gap of two bars with a missed one between them.
   [[nodiscard]] bool fits(double gap) const { return has_pace(gap) || std::abs(gap - 2 * apart) <= slack(); }
   [[nodiscard]] double slack() const { return kUneven * apart; }
 
-  /// The mean distance, over missed bars, too: the median of a few gaps is off by a bar's own error.
+  /// Sets `apart` to the mean distance, also over missed bars, because the median of a few gaps has the error of a bar.
   void refine() {
     double distance = 0;
     double steps = 0;
@@ -99,7 +99,7 @@ struct Crossing {
   }
   /// Whether a piece is the next bar, or a missed one of which only a part is seen.
   [[nodiscard]] bool goes_on_with(const MarkingPiece& piece) const {
-    if (piece.width < kNarrowestBar || std::abs(piece.direction().dot(along)) < kAlike ||
+    if (piece.width < kMinBarWidth || std::abs(piece.direction().dot(along)) < kMinBarCosine ||
         !is_between_ends(piece, kBeyond))
       return false;
     const double place = piece.middle().dot(across);
@@ -111,13 +111,14 @@ struct Crossing {
   /// Whether a piece is a bar that was missed between two others.
   [[nodiscard]] bool is_missed_bar(const MarkingPiece& piece) const {
     const double place = piece.middle().dot(across);
-    return piece.length() >= kShortestBar && place > places.front() && place < places.back() && goes_on_with(piece);
+    return piece.length() >= kMinBarLength && place > places.front() && place < places.back() && goes_on_with(piece);
   }
   void add(const MarkingPiece& bar) {
     const double place = bar.middle().dot(across);
     places.insert(std::lower_bound(places.begin(), places.end(), place), place);
   }
-  /// Whether a piece is another part of a bar, or was linked from the bars' paint: nothing else is painted there.
+  /// Whether a piece lies among the bars. Nothing else is painted there, so it is a part of a bar, or was linked
+  /// wrongly.
   [[nodiscard]] bool holds(const MarkingPiece& piece) const {
     const auto [left, right] = std::minmax({piece.begin_at.dot(across), piece.end_at.dot(across)});
     return is_between_ends(piece, 0) && left >= places.front() - apart / 2 && right <= places.back() + apart / 2;
@@ -191,9 +192,9 @@ Crossing crossing_of(const std::vector<std::size_t>& members, const std::vector<
   return Crossing(bars);
 }
 
-/// Joins a bar, or a group of bars at the same pace, to the group of `first` that goes on there beyond a missed bar.
-/// The pace is that of the group's neighbours, so bars that all stand twice as far apart are not joined: dashes of
-/// lanes do.
+/// Joins a bar, or a group of bars at the same distances, to the group of `first`, if it continues that group beyond a
+/// missed bar. The distance is that of neighbours within the group, so bars that all are twice as far apart are not
+/// joined: the dashes of two lanes look like that.
 bool join_across_missed(std::size_t first, const std::vector<std::size_t>& bars,
                         const std::vector<MarkingPiece>& pieces, Groups& groups) {
   const std::vector<std::size_t> members = groups.of(first, bars);
@@ -224,7 +225,7 @@ std::vector<std::vector<std::size_t>> group_bars(const std::vector<MarkingPiece>
   for (const std::size_t i : bars) {
     for (const std::size_t j : bars) {
       if (j >= i) break;
-      if (are_side_by_side(pieces[i], pieces[j], kNearest, kFarthest)) groups.join(i, j);
+      if (are_side_by_side(pieces[i], pieces[j], kMinBarDistance, kMaxBarDistance)) groups.join(i, j);
     }
   }
   for (bool goes_on = true; goes_on;) {
@@ -242,10 +243,10 @@ std::vector<std::vector<std::size_t>> group_bars(const std::vector<MarkingPiece>
 
 /// How far along a piece it passes a line across the crossing, `end` m along; nothing if not well within the piece.
 std::optional<double> passes_at(const MarkingPiece& piece, const Crossing& crossing, double end) {
-  constexpr std::size_t kFewestSamples = 3;  // of either part
+  constexpr std::size_t kMinSamples = 3;  // of either part
   const auto& samples = piece.samples;
   const auto beyond = [&](std::size_t k) { return samples[k].values.head<2>().dot(crossing.along) - end; };
-  for (std::size_t k = kFewestSamples; k + kFewestSamples < samples.size(); ++k) {
+  for (std::size_t k = kMinSamples; k + kMinSamples < samples.size(); ++k) {
     const double before = beyond(k - 1);
     const double behind = beyond(k);
     if ((before < 0) != (behind < 0))
@@ -254,8 +255,8 @@ std::optional<double> passes_at(const MarkingPiece& piece, const Crossing& cross
   return std::nullopt;
 }
 
-/// Parts the bars that were missed from the lines that they were linked to: those run on between two bars, where
-/// nothing else is painted.
+/// Cuts missed bars off the lines to which they were linked: such a line continues between two bars, where nothing else
+/// is painted.
 void cut_out_bars(const Crossing& crossing, double bar_width, std::vector<MarkingPiece>& pieces,
                   std::vector<bool>& taken) {
   for (std::size_t i = 0; i < pieces.size(); ++i) {
@@ -282,7 +283,7 @@ std::vector<tile::MarkingLine> extract_crossings(std::vector<MarkingPiece>& piec
   for (const std::vector<std::size_t>& members : group_bars(pieces)) {
     Crossing crossing = crossing_of(members, pieces);
     if (!crossing.is_even()) continue;
-    if (members.size() >= kFewestBars) {
+    if (members.size() >= kMinBars) {
       std::vector<double> widths;
       for (const std::size_t i : members) widths.push_back(pieces[i].width);
       cut_out_bars(crossing, median_of(widths), pieces, taken);
@@ -302,7 +303,7 @@ std::vector<tile::MarkingLine> extract_crossings(std::vector<MarkingPiece>& piec
         take(i);
       }
     }
-    if (bars.size() < kFewestBars) continue;
+    if (bars.size() < kMinBars) continue;
     for (std::size_t i = 0; i < pieces.size(); ++i) taken[i] = taken[i] || its[i] || crossing.holds(pieces[i]);
     lines.push_back(line_of(bars, crossing));
   }

@@ -15,9 +15,9 @@ struct TypedSequence {
   tile::MarkingType type = tile::MarkingType::kUnknown;
 };
 
-/// Types a sequence, and cuts it where a solid line goes over into a dashed one. A gap is one of dashes only if dark
-/// ground was seen in it: paint may go on where nothing was seen. `path`: as driven, m in map; a stop line lies across
-/// it.
+/// Types a sequence, and cuts it where a solid line meets a dashed one. A gap is evidence of dashes only if dark ground
+/// was seen in it, because paint may continue where nothing was seen. `path`: as driven, m in map; a stop line lies
+/// across it.
 [[nodiscard]] std::vector<TypedSequence> type_sequence(const PieceSequence& sequence, const tile::DrivenPath& path,
                                                        const SeenGround& is_seen);
 

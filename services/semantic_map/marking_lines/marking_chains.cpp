@@ -154,7 +154,7 @@ std::vector<double> lengths_along(const MarkingChain& chain) {
   return lengths;
 }
 
-/// Adds a chain to `parts`, cut at its corners, where it went over from one line to another.
+/// Adds a chain to `parts`, cut at its corners, where two lines were linked.
 void cut_at_corners(const MarkingChain& chain, std::vector<MarkingChain>& parts) {
   const std::vector<double> lengths = lengths_along(chain);
   double sharpest = kCorner;
@@ -186,8 +186,7 @@ void cut_at_corners(const MarkingChain& chain, std::vector<MarkingChain>& parts)
   cut_at_corners(second, parts);
 }
 
-/// Adds a chain to `parts`, cut where its width changes: there it went over from a line to the bar of a crossing, or
-/// back.
+/// Adds a chain to `parts`, cut where its width changes: there a line was linked to the bar of a crossing.
 void cut_at_widths(const MarkingChain& chain, std::vector<MarkingChain>& parts) {
   const std::vector<double> lengths = lengths_along(chain);
   std::vector<double> sums(chain.size() + 1);

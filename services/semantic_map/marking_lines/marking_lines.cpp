@@ -15,8 +15,8 @@
 namespace curbstone::semantic_map::marking_lines {
 namespace {
 
-constexpr double kShortestAlone = 0.8;  // m
-constexpr double kSameLine = 0.3;       // m: what a line of before is found by
+constexpr double kMinLoneLength = 0.8;  // m
+constexpr double kSameLine = 0.3;       // m, largest distance from the earlier line
 
 TileKey place_of(const tile::MarkingVertex& v) {
   return {static_cast<std::int32_t>(std::floor(double{v.x} / kSameLine)),
@@ -39,7 +39,7 @@ std::vector<tile::MarkingLine> link_marking_cells(const std::vector<MapMarkingCe
   std::vector<tile::MarkingLine> lines = crossings;
   for (const PieceSequence& sequence : join_pieces(pieces, crossings)) {
     for (const TypedSequence& part : type_sequence(sequence, path, is_seen)) {
-      if (part.pieces.size() == 1 && part.pieces.front().length() < kShortestAlone) continue;
+      if (part.pieces.size() == 1 && part.pieces.front().length() < kMinLoneLength) continue;
       lines.push_back(line_of(part.pieces, part.type));
     }
   }

@@ -9,25 +9,25 @@ namespace {
 
 using curb_lines::SmoothingSpline;
 
-constexpr std::size_t kFewestPoints = 3;
-constexpr double kShortestPiece = 0.30;  // m
-constexpr double kPieceWidth = 0.35;     // m: paint of this piece
-constexpr double kNarrowest = 0.1;  // m: as wide, at least and at most, a piece is taken where its sides are looked at
-constexpr double kBroadest = 0.5;
-constexpr double kLineWidth = 0.36;   // m: what is broader must be brighter, for mended asphalt is broad
-constexpr double kBesideFrom = 0.10;  // m from its edge, where its sides begin: its cells' own paint ends before
-constexpr double kBesideTo = 0.46;    // the next bar of a crossing begins behind
-constexpr double kSeamTo = 0.25;      // m from its edge
-constexpr double kTar = 20;           // 0..255, below the ground around: what is darker, and than any road, is tar
-constexpr double kSeam = 0.08;        // share of tar along an edge, from which it is a seam
-constexpr double kMended = 1.3;       // times as bright must be what is broad along a seam
-constexpr double kSides = kBroadest / 2 + kBesideTo;  // m across that are looked at
-constexpr double kCore = 0.08;                        // m: where it is whole
-constexpr double kBesideMiddle = 0.12;                // m, of either line of a double one
-constexpr double kEndReach = 0.25;                    // m beyond the last sample that paint may go on
-constexpr double kEndInside = 0.30;                   // m before it, from where what is painted is counted
+constexpr std::size_t kMinPoints = 3;
+constexpr double kMinPieceLength = 0.30;  // m
+constexpr double kPieceWidth = 0.35;      // m across within which paint belongs to the piece
+constexpr double kMinWidth = 0.1;         // m: limits of the width from which its sides are measured
+constexpr double kMaxWidth = 0.5;         // m
+constexpr double kLineWidth = 0.36;       // m: broader pieces must be brighter, because mended asphalt is broad
+constexpr double kBesideFrom = 0.10;      // m from its edge to where its sides begin: no cell there has its paint
+constexpr double kBesideTo = 0.46;        // m, to where they end: the next bar of a crossing begins beyond
+constexpr double kSeamTo = 0.25;          // m from its edge
+constexpr double kTar = 20;      // 0..255: ground darker than its surroundings by this, and than any road, is tar
+constexpr double kSeam = 0.08;   // share of tar along an edge from which on it is a seam
+constexpr double kMended = 1.3;  // factor of the contrast that a broad piece along a seam must have
+constexpr double kSides = kMaxWidth / 2 + kBesideTo;  // m to each side that are examined
+constexpr double kCore = 0.08;                        // m to each side of the middle: cells that are all paint
+constexpr double kBesideMiddle = 0.12;                // m from the middle to either line of a double line
+constexpr double kEndReach = 0.25;                    // m by which paint may continue beyond the last sample
+constexpr double kEndInside = 0.30;                   // m before it, from where on the paint is counted
 constexpr double kHalfCell = 0.06;                    // m
-constexpr double kEndLength = 1.0;                    // m that say where a piece points
+constexpr double kEndLength = 1.0;                    // m that determine the direction of an end
 constexpr double kCellArea = kCellSize * kCellSize;
 
 /// A cell seen along a piece.
@@ -79,7 +79,7 @@ std::vector<AlongCell> cells_along(const MarkingField& field, const SmoothingSpl
   return cells;
 }
 
-/// Darker than any road, and than what lies around.
+/// Whether a cell is darker than any road, and than its surroundings.
 bool is_tar(const AlongCell& cell, double level) {
   return cell.contrast + cell.level < std::min(markings::kDarkestRoad, level - kTar);
 }
@@ -120,8 +120,8 @@ std::optional<double> ground_beside(const std::vector<AlongCell>& cells, double 
   return std::nullopt;
 }
 
-/// How broad is what is bright about the middle of a piece, m: to where it is half as bright, by the
-/// brightness of the cells, since within a broad patch the ground around is the patch.
+/// Width of the bright ground around the middle of a piece, m, to where it is half as bright. Measured by the
+/// brightness of the cells, not by their contrast, because within a broad patch the surroundings are the patch.
 double full_width(const std::vector<AlongCell>& cells, double last, double contrast, double level) {
   struct Sum {
     double brightness = 0, count = 0;
@@ -158,7 +158,7 @@ double quantile_of(std::vector<double> values, double share) {
 struct PaintAmount {
   double contrast = 0;   ///< 0..255, of its core
   double level = 0;      ///< 0..255, of the ground around the core
-  double margin = 0;     ///< m at either end that is not counted here
+  double margin = 0;     ///< m at either end that are not counted here
   double per_metre = 0;  ///< contrast times cells, between the margins
 
   [[nodiscard]] double width() const { return per_metre * kCellArea / contrast; }  ///< m
@@ -223,11 +223,11 @@ void place_ends(const SmoothingSpline& spline, double last, MarkingPiece& piece)
 }  // namespace
 
 std::optional<MarkingPiece> measure_piece(const MarkingField& field, const MarkingChain& chain) {
-  if (chain.size() < kFewestPoints) return std::nullopt;
+  if (chain.size() < kMinPoints) return std::nullopt;
   MarkingPiece piece;
   piece.samples = lay_out(chain);
   const double last = piece.samples.back().s;
-  if (last < kShortestPiece) return std::nullopt;
+  if (last < kMinPieceLength) return std::nullopt;
   const SmoothingSpline spline(piece.samples);
   const std::vector<AlongCell> around = cells_along(field, spline, kSides);
   std::vector<AlongCell> cells;
@@ -240,7 +240,7 @@ std::optional<MarkingPiece> measure_piece(const MarkingField& field, const Marki
   piece.width = paint.width();
   find_ends(cells, paint, last, piece);
   place_ends(spline, last, piece);
-  const double half_width = std::clamp(piece.width, kNarrowest, kBroadest) / 2;
+  const double half_width = std::clamp(piece.width, kMinWidth, kMaxWidth) / 2;
   piece.tar = std::max(tar_along(around, last, half_width, 1, paint.level),
                        tar_along(around, last, half_width, -1, paint.level));
   piece.left = ground_beside(around, last, half_width, 1, paint.level);
@@ -251,7 +251,7 @@ std::optional<MarkingPiece> measure_piece(const MarkingField& field, const Marki
 
 bool is_paint(const MarkingPiece& piece, const markings::MarkingParameters& parameters) {
   const double broad =
-      std::max(std::clamp(piece.width / kLineWidth, 1.0, kBroadest / kLineWidth), piece.full_width / kLineWidth);
+      std::max(std::clamp(piece.width / kLineWidth, 1.0, kMaxWidth / kLineWidth), piece.full_width / kLineWidth);
   const double mended = broad > 1 && piece.tar > kSeam ? kMended : 1;
   if (piece.contrast < mended * broad * parameters.min_contrast) return false;
   const double most = parameters.side_share * piece.contrast;

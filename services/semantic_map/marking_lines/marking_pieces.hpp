@@ -19,7 +19,7 @@ struct MarkingPiece {
   Eigen::Vector2d end_direction = Eigen::Vector2d::UnitX();
   double width = 0;       ///< m
   double contrast = 0;    ///< 0..255, of the paint
-  double full_width = 0;  ///< m, of all that is bright about its middle, up to 1.4: of a strip of a patch, its width
+  double full_width = 0;  ///< m, of the bright ground around its middle, up to 1.4; for a strip of a patch the patch's
 
   std::optional<double> left, right;  ///< as `contrast`, of what lies 0.10 to 0.46 m from its edges, if seen
   double tar = 0;                     ///< 0..1, share of tar in the cells along one of its edges: a filled seam

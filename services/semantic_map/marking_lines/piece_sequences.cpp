@@ -9,6 +9,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "common/statistics/quantile.hpp"
 #include "common/tiles/tile.hpp"
 #include "services/semantic_map/curb_lines/joints.hpp"
 
@@ -20,9 +21,9 @@ using curb_lines::kFree;
 using curb_lines::SmoothingSpline;
 using tile::MarkingType;
 
-constexpr double kLongestGap = 9.0;   // m
-constexpr double kGapOfLength = 4.0;  // longest gap, in lengths of the shorter piece
-constexpr double kOffEnd = 0.12;      // m off each other's line, plus a share of the gap
+constexpr double kMaxJoinedGap = 9.0;  // m
+constexpr double kGapOfLength = 4.0;   // longest gap, in lengths of the shorter piece
+constexpr double kOffEnd = 0.12;       // m off each other's line, plus a share of the gap
 constexpr double kOffEndShare = 0.06;
 constexpr double kAlikeEnds = 0.94;  // cosine between an end's direction and the way across
 constexpr double kWidthAlike = 2.2;
@@ -50,7 +51,7 @@ double gap_between(const std::vector<MarkingPiece>& pieces, std::size_t a, std::
   const MarkingPiece& q = piece_at(pieces, b);
   const Eigen::Vector2d d = at(pieces, b) - at(pieces, a);
   const double gap = d.norm();
-  if (gap > std::min(kLongestGap, kGapOfLength * std::min(p.length(), q.length()))) return kNone;
+  if (gap > std::min(kMaxJoinedGap, kGapOfLength * std::min(p.length(), q.length()))) return kNone;
   if (std::max(p.width, q.width) > kWidthAlike * std::min(p.width, q.width)) return kNone;
   const Eigen::Vector2d& from = out(pieces, a);
   const Eigen::Vector2d& to = out(pieces, b);
@@ -91,8 +92,8 @@ std::vector<Joint> find_joints(const std::vector<MarkingPiece>& pieces,
                                const std::vector<tile::MarkingLine>& crossings) {
   const auto square = [&](std::size_t end) {
     const Eigen::Vector2d& p = at(pieces, end);
-    return TileKey{static_cast<std::int32_t>(std::floor(p.x() / kLongestGap)),
-                   static_cast<std::int32_t>(std::floor(p.y() / kLongestGap))};
+    return TileKey{static_cast<std::int32_t>(std::floor(p.x() / kMaxJoinedGap)),
+                   static_cast<std::int32_t>(std::floor(p.y() / kMaxJoinedGap))};
   };
   std::unordered_map<TileKey, std::vector<std::size_t>, TileKeyHash> grid;
   for (std::size_t end = 0; end < 2 * pieces.size(); ++end) grid[square(end)].push_back(end);
@@ -177,10 +178,7 @@ std::vector<tile::MarkingVertex> vertices_of(const SmoothingSpline& spline,
 }  // namespace
 
 double median_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return quantile_or(std::move(values), 0.5, 0);
 }
 
 tile::MarkingVertex vertex(const Eigen::Vector2d& at, double z, bool painted) {

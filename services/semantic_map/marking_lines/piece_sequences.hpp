@@ -9,7 +9,7 @@
 
 namespace curbstone::semantic_map::marking_lines {
 
-inline constexpr double kLongestDash = 6.5;  ///< m
+inline constexpr double kMaxDashLength = 6.5;  ///< m
 
 /// Consecutive pieces of one line, each in the line's direction.
 using PieceSequence = std::vector<MarkingPiece>;

@@ -35,9 +35,9 @@ std::vector<Gap> gaps_of(const PieceSequence& sequence, const SeenGround& is_see
     const Eigen::Vector2d& to = sequence[k + 1].begin_at;
     Gap gap{(to - from).norm()};
     const double shorter = std::min(sequence[k].length(), sequence[k + 1].length());
-    if (gap.length <= std::max(kLongestHole, shorter / kDashOfGap))
+    if (gap.length <= std::max(kMaxHoleLength, shorter / kMaxDashToGap))
       gap.kind = Gap::Kind::kHole;
-    else if (is_seen && longest_seen(from, to, is_seen) <= kLongestHole)
+    else if (is_seen && longest_seen(from, to, is_seen) <= kMaxHoleLength)
       gap.kind = Gap::Kind::kHidden;
     gaps.push_back(gap);
   }

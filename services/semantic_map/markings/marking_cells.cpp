@@ -13,7 +13,7 @@ constexpr int kMargin = 10;  // cells, 1.2 m
 constexpr int kPatchSide = kCellsPerTile + 2 * kMargin;
 constexpr int kBlock = 5;  // cells a side that share their surroundings
 constexpr int kReach = 8;  // cells around a block: its cells are 1.0 to 1.5 m from the window's edge
-constexpr int kFewest = 30;
+constexpr int kMinCells = 30;
 constexpr double kBrightestRoad = 96;  // half as bright again, and no paint between: grass
 constexpr double kMaxSpread = 12;      // from cell to cell: more is tar among the asphalt
 constexpr int kDirections = 8;
@@ -80,7 +80,7 @@ std::optional<double> level_around(const Patch& patch, int column0, int row0) {
       ++known;
     }
   }
-  if (known < kFewest) return std::nullopt;
+  if (known < kMinCells) return std::nullopt;
   const auto quantile = [&](double share) {
     const double wanted = share * known;
     double below = 0;

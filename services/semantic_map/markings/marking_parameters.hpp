@@ -23,11 +23,11 @@ struct MarkingParameters {
     v.field("min_contrast", min_contrast, {1, 255}, "brighter than the ground around, at least; its median is 64");
     v.field("min_sigmas", min_sigmas, {0, 100}, "the contrast in units of its own uncertainty, at least");
     v.field("side_share", side_share, {0, 1},
-            "of a marking's contrast, that both its sides must lie below, along all of it");
-    v.field("local", local, "against the ground around (off: against `level` everywhere)");
-    v.field("level", level, {0, 255}, "intensity of the road, where `local` is off");
-    v.field("two_sided", two_sided, "brighter than both sides (off: than one)");
-    v.field("vote", vote, "ask for a line of marking cells by the vote (off: any piece counts)");
+            "share of the contrast below which both sides must lie, along the whole marking");
+    v.field("local", local, "contrast to the ground around (off: to `level` everywhere)");
+    v.field("level", level, {0, 255}, "intensity of the road if `local` is off");
+    v.field("two_sided", two_sided, "must be brighter than both sides (off: than one)");
+    v.field("vote", vote, "require that the vote sees a line of cells (off: any piece counts)");
   }
 };
 

@@ -8,9 +8,9 @@
 namespace curbstone::semantic_map::pipeline {
 namespace {
 
-constexpr std::size_t kMaxAccumulators = 512;  // 40 kB each; tiles in sight of the vehicle are fewer
+constexpr std::size_t kMaxAccumulators = 512;  // 40 kB each; fewer tiles than this are in sight of the vehicle
 
-/// Of a tile's evidence, 1 on average. The weights were fitted to the time that it takes in a simulated town.
+/// Cost of a tile's curb evidence, 1 on average. The weights were fitted to the time that it takes in a simulated town.
 double cost_of(const curbs::SearchEffort& effort) {
   return 5e-5 * static_cast<double>(effort.points) + 1.1e-3 * static_cast<double>(effort.windows) +
          1e-5 * static_cast<double>(effort.window_points);
@@ -27,7 +27,7 @@ TilePipeline::Tile* TilePipeline::find(TileKey key) {
   return it == tiles_.end() ? nullptr : &it->second;
 }
 
-/// visit(key, tile): the tile and its neighbours, as far as they exist.
+/// Calls visit(key, tile) for the tile and those of its neighbours that exist.
 template <class Visit>
 void TilePipeline::for_around(TileKey key, Visit visit) {
   constexpr std::int64_t kMin = std::numeric_limits<std::int32_t>::min();
@@ -41,7 +41,7 @@ void TilePipeline::for_around(TileKey key, Visit visit) {
   }
 }
 
-/// get(tile): pointer to the product of one tile.
+/// The products of the tile and its neighbours; get(tile) returns a pointer to that of one tile.
 template <class T, class Get>
 tile::Around<T> TilePipeline::around(TileKey key, Get get) {
   tile::Around<T> result;
@@ -50,7 +50,7 @@ tile::Around<T> TilePipeline::around(TileKey key, Get get) {
   return result;
 }
 
-/// What is stale already keeps its turn.
+/// Makes a step stale. A step that is stale already keeps its turn.
 void TilePipeline::mark(Step step, TileKey key, Tile& tile) {
   if (tile.stale[step] != kFresh || (step >= kPaint && !markings_.enabled)) return;
   tile.stale[step] = ++turn_;
@@ -67,10 +67,10 @@ bool TilePipeline::unmark(Step step, Tile& tile) {
   return true;
 }
 
-/// What compute() reads.
+/// Wakes the tiles that compute() reads.
 void TilePipeline::wake_for(Step step, TileKey key, Tile& tile) {
   switch (step) {
-    case kCurbs:  // evidence does not sleep
+    case kCurbs:  // reads the evidence, which never sleeps
       return;
     case kSamples:
     case kColumns:
@@ -105,7 +105,7 @@ void TilePipeline::set_voted(tile::VotedTile voted, bool has_grown) {
 }
 
 void TilePipeline::voted_changed(TileKey key, Tile& tile, bool is_new, bool has_grown) {
-  uses_.used(key, ++num_voted_);
+  uses_.used(key, now_);
   if (!has_grown) accumulators_.erase(key);
   if (is_new) {
     note_change(key, tile);
@@ -114,7 +114,7 @@ void TilePipeline::voted_changed(TileKey key, Tile& tile, bool is_new, bool has_
   mark(kSamples, key, tile);
   mark_around(kEvidence, key);
   mark(kColumns, key, tile);
-  mark(kClasses, key, tile);  // its time is new
+  mark(kClasses, key, tile);  // for the time of its newest point
   mark(kPaint, key, tile);
 }
 
@@ -129,13 +129,13 @@ void TilePipeline::clear() {
 }
 
 void TilePipeline::refresh(Step step, TileKey key, Tile& tile) {
-  // In units of what the evidence of a tile takes on average; that itself is counted (cost_of()), and so are the
-  // candidates that the curbs are chosen among. As measured in a town.
+  // Costs in units of the evidence of an average tile, as measured in a town. That of the evidence itself is counted
+  // (cost_of()), and that of the curbs depends on the number of candidates.
   constexpr std::array kCost = {0.1, 0.2, 0.0, 0.1, 0.01, 0.05, 0.1, 0.1};
   constexpr double kCandidateCost = 0.0035;
   if (!unmark(step, tile)) return;
   wake_for(step, key, tile);
-  if (step == kCurbs && !tile.is_other_evidence) return take_curbs_utime(key, tile);  // they are as they were
+  if (step == kCurbs && !tile.has_new_evidence) return take_curbs_utime(key, tile);  // the curbs stay
   result_.cost += kCost[step];
   if (step == kCurbs && !tile.evidence.empty())
     for_around(key, [&](TileKey, Tile& t) { result_.cost += kCandidateCost * static_cast<double>(t.evidence.size()); });
@@ -166,7 +166,7 @@ TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& 
           {around<markings::PaintLayer>(key, [](Tile& t) { return &t.layers->paint; }),
            around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return t.curbs.get(); }), tile.classes.get()},
           markings_);
-    case kColumns:  // measured on, from what was measured before
+    case kColumns:  // refresh_columns() adds the new points to the earlier result
     case kNumSteps:
       break;
   }
@@ -213,7 +213,7 @@ void TilePipeline::take(TileKey key, Tile& tile, curbs::CurbEvidence evidence) {
   if (evidence.candidates == tile.evidence) return;
   tile.evidence = std::move(evidence.candidates);
   mark_around(kCurbs, key);
-  for_around(key, [](TileKey, Tile& t) { t.is_other_evidence = true; });
+  for_around(key, [](TileKey, Tile& t) { t.has_new_evidence = true; });
 }
 
 void TilePipeline::refresh_columns(TileKey key, Tile& tile) {
@@ -222,7 +222,7 @@ void TilePipeline::refresh_columns(TileKey key, Tile& tile) {
   measure_columns(key, tile);
 }
 
-/// On the ground that the tile was measured on before, if it was.
+/// Adds the points that are not in the tile's columns yet, by the ground that the earlier points were measured on.
 void TilePipeline::measure_columns(TileKey key, Tile& tile) {
   auto at = accumulators_.find(key);
   if (at == accumulators_.end()) {
@@ -236,7 +236,7 @@ void TilePipeline::measure_columns(TileKey key, Tile& tile) {
 }
 
 void TilePipeline::take(TileKey key, Tile& tile, std::vector<curbs::CurbPoint> curbs) {
-  tile.is_other_evidence = false;
+  tile.has_new_evidence = false;
   take_curbs_utime(key, tile);
   if (curbs == *tile.curbs) return;
   tile.curbs = std::make_shared<const std::vector<curbs::CurbPoint>>(std::move(curbs));
@@ -293,7 +293,7 @@ void TilePipeline::update_columns(TileKey key) {
   refresh(kClasses, key, *tile);
 }
 
-/// In doubt the earlier step: what follows from it would only have to be computed again.
+/// Computes the step that has been stale for longest.
 void TilePipeline::settle_oldest() {
   auto* const oldest = std::min_element(stale_.begin(), stale_.end(),
                                         [](const auto& a, const auto& b) { return first_turn(a) < first_turn(b); });

@@ -30,13 +30,15 @@ namespace curbstone::semantic_map::pipeline {
 ///                                                       \-> columns --------------------------/
 ///                                          [3x3] ground -> paint -> [3x3] marking cells <- [3x3] curbs, classes
 ///
-/// Each step of a tile is a pure function of the steps before it, of the tile and its eight neighbours (compute()). A
-/// step is stale when one of its inputs has changed since it was computed; a result that comes out equal makes nothing
-/// stale. One tile can be updated early, with what its neighbours have by now. Once everything is settled, the map is a
-/// function of the voted points alone: not of the order in which they came, nor of when work was done.
+/// Each step of a tile is a pure function of earlier steps of the tile and of its eight neighbours (compute()). A step
+/// is stale when one of its inputs has changed since it was computed. If its result is equal to the one before, nothing
+/// else becomes stale. A tile can be updated early, from the present results of its neighbours. Once everything is
+/// settled, the map is a function of the voted points alone: it depends neither on their order nor on the order of
+/// work.
 ///
-/// Tiles that no step has read while kAwake voted steps came sleep (layers::SleepingLayers), in a file if there is one.
-/// A step wakes the tiles that it reads; a tile that only an old step has woken sleeps again after kAwakeForOldStep.
+/// A tile sleeps (layers::SleepingLayers), in a file if there is one, if no step has read it for kAwake (see
+/// set_time()). A step wakes the tiles that it reads. A tile that was woken for kOldestStep alone sleeps again after
+/// kAwakeForOldStep.
 class TilePipeline {
  public:
   TilePipeline(const tile::CurbParameters& curb, const cells::ClassParameters& classes,
@@ -44,46 +46,47 @@ class TilePipeline {
                std::shared_ptr<SpillFile> spill_file = std::make_shared<SpillFile>())
       : curb_(curb), classes_(classes), markings_(markings), spill_file_(std::move(spill_file)) {}
 
-  /// Takes a tile to the step's revision. Nothing if the step does not go on from what the tile is.
+  /// Brings a tile to the revision of the step. Nothing if the step does not continue the tile's revision.
   std::optional<VotedChange> apply(const tile::VotedStep& step);
-  /// Puts a whole tile in place of the one there was. `has_grown`: its points are those of the one before and more
-  /// behind them, whatever their tensors.
+  /// Replaces a whole tile. `has_grown`: its points begin with those of the earlier one; their tensors may differ.
   void set_voted(tile::VotedTile voted, bool has_grown = false);
-  /// Another epoch begins.
+  /// Discards everything: another epoch begins.
   void clear();
+  /// The time by which tiles fall asleep, us, of any clock. If it is never set, no tile sleeps.
+  void set_time(std::int64_t now) { now_ = now; }
 
-  /// Does one piece of work. Nothing is done on a tile of which no voted points are known.
+  /// Does one piece of work; none for a tile without voted points.
   WorkResult run(const TileWork& work);
-  /// Computes all that is stale, and tells what became another. `threads`: 0 for as many as there are cores; the result
-  /// is that of one.
+  /// Computes everything that is stale, and returns what changed. `threads`: 0 means one for each core; the result does
+  /// not depend on their number.
   WorkResult settle(int threads = 0);
   [[nodiscard]] Backlog backlog() const;
 
-  /// The tile as it was computed last; nullptr if it never was. It is never changed, only replaced.
+  /// The tile as last computed; nullptr if it has not been computed yet. The object never changes; it is replaced.
   [[nodiscard]] std::shared_ptr<const tile::MapTile> classes(TileKey key) const;
-  /// The curb points of a tile as they were computed last; frame: the tile's corner. Never changed, only replaced.
+  /// The curb points of a tile as last computed, m from the tile's corner. The object never changes; it is replaced.
   [[nodiscard]] std::shared_ptr<const std::vector<curbs::CurbPoint>> curbs(TileKey key) const;
-  /// The cells of paint of a tile as they were computed last; frame: the tile's corner. Never changed, only replaced.
+  /// The cells of paint of a tile as last computed, likewise.
   [[nodiscard]] std::shared_ptr<const std::vector<markings::MarkingCell>> markings(TileKey key) const;
-  /// The tiles that are new, or whose classes, curbs or markings were replaced, since this was asked last; each once.
+  /// The tiles that are new, or whose classes, curbs or markings were replaced, since the last call; each once.
   [[nodiscard]] std::vector<TileKey> take_changed();
   [[nodiscard]] std::vector<TileKey> keys() const;  ///< sorted
-  /// Of the tiles that meet a box, m in map; sorted.
+  /// Keys of the tiles that intersect a box, m in map; sorted.
   [[nodiscard]] std::vector<TileKey> keys_in(const Eigen::Vector2d& min, const Eigen::Vector2d& max) const;
   [[nodiscard]] std::size_t num_tiles() const { return tiles_.size(); }
   [[nodiscard]] std::size_t num_asleep() const { return tiles_.size() - uses_.size() - visits_.size(); }
-  /// Tiles whose layers the file could not bring back since the last call: they must come again as a whole.
+  /// Tiles whose layers could not be read back from the file since the last call: they must be sent again as a whole.
   [[nodiscard]] std::vector<TileKey> take_lost() { return std::exchange(lost_, {}); }
-  static constexpr std::int64_t kAwake = 20'000;           ///< voted steps: some ten seconds of a drive
-  static constexpr std::int64_t kAwakeForOldStep = 3'000;  ///< voted steps
-  /// Steps of tiles that are stale.
+  static constexpr std::int64_t kAwake = 10'000'000;           ///< us
+  static constexpr std::int64_t kAwakeForOldStep = 1'500'000;  ///< us
+  /// Number of stale steps, of all tiles.
   [[nodiscard]] std::size_t num_stale() const;
-  /// How often tiles' evidence has been computed.
+  /// How often the curb evidence of a tile has been computed.
   [[nodiscard]] std::int64_t num_evidence() const { return num_evidence_; }
 
  private:
   enum Step { kSamples, kGround, kEvidence, kColumns, kCurbs, kClasses, kPaint, kMarkings, kNumSteps };
-  /// Computed for a tile with new points; paint is computed as a stale step.
+  /// The steps that an update of a tile computes; the others are computed when they are the oldest stale step.
   static constexpr std::array kUrgentSteps = {kSamples, kGround, kEvidence, kColumns, kCurbs, kClasses};
   static constexpr std::array kPatientSteps = {kPaint, kMarkings};
   static constexpr std::int64_t kFresh = 0;
@@ -91,9 +94,9 @@ class TilePipeline {
     layers::SleepingLayers layers;
     ground::GroundModel ground;
     std::vector<curbs::CurbCandidate> evidence;
-    double update_cost = 0;           ///< of its last update, WorkResult::cost; 0: there was none
-    std::int64_t evidence_utime = 0;  ///< us, of the newest points that it was looked for in
-    bool is_other_evidence = true;    ///< here or around, than the curbs were made of
+    double update_cost = 0;           ///< WorkResult::cost of its last update; 0: there was none
+    std::int64_t evidence_utime = 0;  ///< us, of the newest points in which evidence was searched
+    bool has_new_evidence = true;     ///< the evidence here or around differs from that of `curbs`
     std::shared_ptr<const std::vector<curbs::CurbPoint>> curbs = std::make_shared<std::vector<curbs::CurbPoint>>();
     std::int64_t curbs_utime = 0;  ///< us, of the evidence
     std::shared_ptr<const tile::MapTile> classes;
@@ -103,7 +106,7 @@ class TilePipeline {
     std::array<std::int64_t, kNumSteps> stale{};  ///< its turn in stale_, or kFresh
   };
   [[nodiscard]] Tile* find(TileKey key);
-  /// Whoever reads or writes a tile's layers wakes it before.
+  /// Must be called before a tile's layers are read or written.
   void wake(TileKey key, Tile& tile);
   void wake_for(Step step, TileKey key, Tile& tile);
   void sleep(TileKey key);
@@ -117,18 +120,18 @@ class TilePipeline {
   void mark(Step step, TileKey key, Tile& tile);
   void mark_around(Step step, TileKey key);
   [[nodiscard]] static std::int64_t first_turn(const std::map<std::int64_t, TileKey>& stale);
-  /// False if it was fresh; afterwards it is.
+  /// Marks a step as fresh. Returns whether it was stale.
   bool unmark(Step step, Tile& tile);
   void voted_changed(TileKey key, Tile& tile, bool is_new, bool has_grown);
   void update(TileKey key);
   void update_columns(TileKey key);
   void settle_oldest();
   void refresh(Step step, TileKey key, Tile& tile);
-  /// The result of a step of a tile: compute() reads what the steps before have made, and changes nothing.
+  /// The result of a step. compute() reads the results of earlier steps, and changes nothing.
   using Product = std::variant<std::monostate, ground::GroundSamples, ground::GroundModel, curbs::CurbEvidence,
                                std::vector<curbs::CurbPoint>, tile::MapTile, markings::PaintLayer,
                                std::vector<markings::MarkingCell>>;
-  /// `vehicles`: of this thread alone; nullptr: nothing is remembered.
+  /// `vehicles`: a cache that no other thread uses; nullptr: none.
   [[nodiscard]] Product compute(Step step, TileKey key, const Tile& tile, cells::VehicleCache* vehicles);
   [[nodiscard]] tile::MapTile classify(TileKey key, const Tile& tile, cells::VehicleCache* vehicles);
   void take(TileKey key, Tile& tile, std::monostate columns);
@@ -148,23 +151,23 @@ class TilePipeline {
   cells::ClassParameters classes_;
   markings::MarkingParameters markings_;
   std::unordered_map<TileKey, Tile, TileKeyHash> tiles_;
-  std::array<std::map<std::int64_t, TileKey>, kNumSteps> stale_;  ///< by turn: the oldest first
+  std::array<std::map<std::int64_t, TileKey>, kNumSteps> stale_;  ///< by turn, the oldest first
   std::int64_t turn_ = kFresh;
-  /// Of tiles that grow: so that only their new points need be looked at.
+  /// Column statistics of a tile that grows, so that only its new points are added.
   struct GroundedAccumulator {
     cells::ColumnAccumulator accumulator;
-    bool ground_moved = false;  ///< since it was made
+    bool ground_moved = false;  ///< the ground has changed since the accumulator was made
   };
   std::unordered_map<TileKey, GroundedAccumulator, TileKeyHash> accumulators_;
-  cells::VehicleCache vehicles_;   ///< of the tiles that are computed one by one
-  LruOrder uses_;                  ///< of the tiles that are awake, by num_voted_
-  LruOrder visits_;                ///< likewise, of those that only old steps have woken
-  bool does_old_step_ = false;     ///< the work in hand
-  std::int64_t num_voted_ = 0;     ///< voted steps that have come
-  std::vector<TileKey> awakened_;  ///< by the work in hand
+  cells::VehicleCache vehicles_;   ///< for tiles that are computed one by one
+  LruOrder uses_;                  ///< of the tiles that are awake, by now_
+  LruOrder visits_;                ///< likewise, of tiles that were woken for kOldestStep alone
+  bool does_old_step_ = false;     ///< the present work is kOldestStep
+  std::int64_t now_ = 0;           ///< us
+  std::vector<TileKey> awakened_;  ///< by the present work
   std::vector<TileKey> lost_;
-  std::shared_ptr<SpillFile> spill_file_;  ///< what sleeps
-  WorkResult result_;                      ///< of the work in hand
+  std::shared_ptr<SpillFile> spill_file_;  ///< layers of sleeping tiles
+  WorkResult result_;                      ///< of the present work
   std::vector<TileKey> changed_;           ///< for take_changed()
   std::int64_t num_evidence_ = 0;
 };

@@ -5,7 +5,7 @@
 #include "services/semantic_map/pipeline/tile_pipeline.hpp"
 
 /// @file
-/// TilePipeline: what it has made.
+/// TilePipeline: access to its products.
 
 namespace curbstone::semantic_map::pipeline {
 

@@ -6,17 +6,17 @@
 #include "services/semantic_map/pipeline/tile_pipeline.hpp"
 
 /// @file
-/// TilePipeline: all that is stale at once, in several threads.
+/// TilePipeline: computes everything that is stale, in several threads.
 
 namespace curbstone::semantic_map::pipeline {
 namespace {
 
-constexpr std::size_t kSettledAtOnce = 256;  // tiles, before their products are taken
+constexpr std::size_t kSettledAtOnce = 256;  // tiles computed before their products are stored
 constexpr unsigned kMaxThreads = 8;
 
 }  // namespace
 
-/// Step by step: whatever a step makes stale is of a later one.
+/// In the order of the steps, because a step makes only later steps stale.
 WorkResult TilePipeline::settle(int threads) {
   if (threads <= 0) threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, kMaxThreads));
   result_ = {};
@@ -25,7 +25,8 @@ WorkResult TilePipeline::settle(int threads) {
   return std::exchange(result_, {});
 }
 
-/// Nothing that a step reads is made by the same step of another tile: many are computed at once, and taken in turn.
+/// No step reads the result of the same step of another tile, so many tiles are computed in parallel. Their results are
+/// stored one after the other.
 void TilePipeline::settle_step(Step step, int threads) {
   std::vector<Product> products;  // each is large
   std::vector<std::pair<TileKey, Tile*>> tiles;

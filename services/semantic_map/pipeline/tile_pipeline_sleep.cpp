@@ -1,7 +1,7 @@
 #include "services/semantic_map/pipeline/tile_pipeline.hpp"
 
 /// @file
-/// TilePipeline: tiles that fall asleep, and wake.
+/// TilePipeline: puts tiles to sleep and wakes them.
 
 namespace curbstone::semantic_map::pipeline {
 
@@ -11,9 +11,9 @@ void TilePipeline::wake(TileKey key, Tile& tile) {
     if (!tile.layers.wake()) lost_.push_back(key);
     awakened_.push_back(key);
   }
-  if (does_old_step_ && (slept || visits_.contains(key))) return visits_.used(key, num_voted_);
+  if (does_old_step_ && (slept || visits_.contains(key))) return visits_.used(key, now_);
   visits_.erase(key);
-  uses_.used(key, num_voted_);
+  uses_.used(key, now_);
 }
 
 void TilePipeline::sleep(TileKey key) {
@@ -23,10 +23,10 @@ void TilePipeline::sleep(TileKey key) {
   if (Tile* const tile = find(key)) tile->layers.sleep(*spill_file_);
 }
 
-/// One of each at most: what a drive leaves behind falls asleep without a stop.
+/// At most one tile of each kind in a call, so that no message waits for many tiles to be packed.
 void TilePipeline::let_sleep() {
-  if (const auto unused = uses_.take_unused(num_voted_ - kAwake)) sleep(*unused);
-  if (const auto unused = visits_.take_unused(num_voted_ - kAwakeForOldStep)) sleep(*unused);
+  if (const auto unused = uses_.take_unused(kAwake, now_)) sleep(*unused);
+  if (const auto unused = visits_.take_unused(kAwakeForOldStep, now_)) sleep(*unused);
 }
 
 }  // namespace curbstone::semantic_map::pipeline

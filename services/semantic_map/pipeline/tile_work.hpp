@@ -8,25 +8,25 @@
 
 namespace curbstone::semantic_map::pipeline {
 
-/// What a step of VOTED_POINTS made of its tile.
+/// The change of a tile by a step of VOTED_POINTS.
 struct VotedChange {
   TileKey key;
   std::int32_t revision = 0;
   std::int64_t utime = 0;  ///< us, of the tile's newest point
   std::size_t points_before = 0;
   std::size_t points = 0;
-  double update_cost = 0;  ///< WorkResult::cost of its last update; 0: there was none
+  double update_cost = 0;  ///< WorkResult::cost of the tile's last update; 0: there was none
 };
 
 /// A piece of work on the map.
 struct TileWork {
   enum class Kind {
-    /// All steps of one tile, with what its neighbours have.
+    /// All urgent steps of one tile, from the present results of its neighbours.
     kUpdate,
-    /// Columns and classes of one tile, on the ground and with the curbs that it had: what stands where, at a tenth of
-    /// the cost. Where the ground has moved since, the columns stay stale.
+    /// Columns and classes of one tile, from its present ground and curbs: shows what stands where, at a tenth of the
+    /// cost. If the ground has changed since, the columns stay stale.
     kUpdateColumns,
-    /// The one step that has been stale for longest, of any tile.
+    /// The step that has been stale for longest, of any tile.
     kOldestStep,
   };
   Kind kind = Kind::kOldestStep;
@@ -35,17 +35,17 @@ struct TileWork {
   friend bool operator==(const TileWork&, const TileWork&) = default;
 };
 
-/// What a piece of work came to.
+/// The result of a piece of work.
 struct WorkResult {
-  double cost = 0;            ///< where the curb evidence of a tile counts 1 on average; by what was looked at
-  std::set<TileKey> changed;  ///< tiles whose classes became others
-  bool markings = false;      ///< whether the paint of any tile did
+  double cost = 0;            ///< counted, not timed; the curb evidence of an average tile costs 1
+  std::set<TileKey> changed;  ///< tiles whose classes changed
+  bool markings = false;      ///< whether the cells of paint of any tile changed
 };
 
-/// What is stale. Each step of a tile that becomes stale takes the next turn.
+/// Which steps are stale. Each step of a tile that becomes stale gets the next turn.
 struct Backlog {
-  std::int64_t turn = 0;                                           ///< of what became stale last
-  std::int64_t oldest = std::numeric_limits<std::int64_t>::max();  ///< turn of what is stale for longest
+  std::int64_t turn = 0;                                           ///< of the step that became stale last
+  std::int64_t oldest = std::numeric_limits<std::int64_t>::max();  ///< of the step that has been stale for longest
 };
 
 }  // namespace curbstone::semantic_map::pipeline

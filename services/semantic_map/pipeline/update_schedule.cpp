@@ -9,17 +9,17 @@ namespace curbstone::semantic_map::pipeline {
 
 namespace {
 
-constexpr std::int64_t kTick = 20'000;               // us: what work_per_tick is of
-constexpr std::int64_t kSavedWork = 50'000;          // us
-constexpr double kLargeShare = 0.3;                  // new points of a tile, from which its curbs are searched at once
-constexpr std::int64_t kPatience = 150'000;          // us after which they are searched, however few there are
+constexpr std::int64_t kTick = 20'000;       // us, the tick of work_per_tick
+constexpr std::int64_t kSavedWork = 50'000;  // us of work that may be saved up: a revolution's time
+constexpr double kLargeShare = 0.3;          // share of new points in a tile, from which its curbs are searched at once
+constexpr std::int64_t kPatience = 150'000;  // us after which they are searched, however few there are
 constexpr std::int64_t kSettlePatience = 1'000'000;  // us that a stale step may wait for new points of its tile
-constexpr double kSettleShare = 0.10;                // of the work: tiles with new points never end
-constexpr double kOld = 200'000;                     // us: what waits for so long is twice as urgent for it
-constexpr std::int64_t kOverdue = 1'000'000;         // us: what waits for longer comes first
-constexpr double kNear = 20;                         // m: there a tile is half as urgent as at the vehicle
+constexpr double kSettleShare = 0.10;                // of the work, because there are always tiles with new points
+constexpr double kOld = 200'000;                     // us: after this wait a tile is twice as urgent
+constexpr std::int64_t kOverdue = 1'000'000;         // us: tiles that have waited for longer go first
+constexpr double kNear = 20;                         // m: at this distance a tile is half as urgent as at the vehicle
 constexpr double kMeanUpdate = 1.7;                  // WorkResult::cost of a tile's update, on average in a town
-constexpr double kLeastUpdate = 0.5;                 // beside what is counted: no update is for nothing
+constexpr double kMinUpdateCost = 0.5;               // added to the counted cost: no update is free
 
 }  // namespace
 
@@ -39,7 +39,7 @@ std::optional<TileWork> UpdateSchedule::next_to_show() {
     const TileKey key = unshown_.front();
     unshown_.pop_front();
     const auto pending = pending_.find(key);
-    if (pending == pending_.end() || std::exchange(pending->second.is_shown, true)) continue;  // was brought up to date
+    if (pending == pending_.end() || std::exchange(pending->second.is_shown, true)) continue;  // updated since
     return TileWork{TileWork::Kind::kUpdateColumns, key};
   }
   return std::nullopt;
@@ -59,8 +59,8 @@ std::optional<TileWork> UpdateSchedule::next_work(const Eigen::Vector2d& vehicle
   return TileWork{TileWork::Kind::kOldestStep};
 }
 
-/// Half of an update is charged as if it cost what others do. Charged by its cost alone, curbs would become old where
-/// the tiles are costly; charged by the tile alone, all that is cheap would wait for them.
+/// An update is charged half by its own cost and half by that of an average one. By its own cost alone, curbs would
+/// become old where tiles are costly; by the average alone, cheap tiles would wait for costly ones.
 void UpdateSchedule::spent(double cost) {
   if (!settles_) cost = 0.5 * (cost + kMeanUpdate);
   budget_ -= cost;
@@ -68,7 +68,7 @@ void UpdateSchedule::spent(double cost) {
                             : std::min(settling_owed_ + kSettleShare * cost, 1.0);
 }
 
-/// What may be computed by now: work_per_tick each 20 ms, of which no more is saved up than a revolution's time.
+/// Adds work_per_tick for each 20 ms to the budget, which saves up at most kSavedWork.
 void UpdateSchedule::earn_work(std::int64_t now) {
   const auto elapsed = static_cast<double>(std::clamp<std::int64_t>(now - earned_at_, 0, kSavedWork));
   earned_at_ = now;
@@ -76,15 +76,15 @@ void UpdateSchedule::earn_work(std::int64_t now) {
   budget_ = std::min(budget_ + rate * elapsed, rate * kSavedWork);
 }
 
-/// By how much the age of all points that wait falls for each unit of cost, if the tile is updated now; the older the
-/// more. What was never updated counts as cheap: it is new.
+/// The total waiting time that an update of the tile would end, per unit of cost; more for tiles that have waited for
+/// long. A tile that was never updated counts as cheap, because it is new.
 double UpdateSchedule::urgency(const Pending& pending, double distance, std::int64_t now) {
   const auto waited = static_cast<double>(now - pending.since);
   const double saved = pending.num_steps * (waited - pending.mean_step_at) * (1 + waited / kOld);
-  return std::max(saved, 0.0) / (pending.cost + kLeastUpdate) / (1 + distance / kNear);
+  return std::max(saved, 0.0) / (pending.cost + kMinUpdateCost) / (1 + distance / kNear);
 }
 
-/// The most urgent tile with points of its own that are new, either to a good part of them or for a while.
+/// The most urgent of the tiles that are due: those of whose points a large share is new, or that have waited.
 std::optional<TileWork> UpdateSchedule::take_pending(const Eigen::Vector2d& vehicle, std::int64_t now) {
   std::optional<std::tuple<std::int64_t, double, TileKey>> first;
   for (const auto& [key, pending] : pending_) {
@@ -103,7 +103,7 @@ std::optional<TileWork> UpdateSchedule::take_pending(const Eigen::Vector2d& vehi
   return TileWork{TileWork::Kind::kUpdate, key};
 }
 
-/// Whether something has been stale for long.
+/// Whether a step has been stale for kSettlePatience.
 bool UpdateSchedule::is_settling_due(const Backlog& backlog, std::int64_t now) {
   if (!turns_.empty() && now < turns_.back().first) turns_.clear();  // a clock that jumps
   if (turns_.empty() || now - turns_.back().first >= kTick) turns_.emplace_back(now, backlog.turn);

@@ -167,8 +167,9 @@ void MapStore::open() {
     db_ = std::make_unique<SQLite::Database>(path_, SQLite::OPEN_READWRITE, kBusyTimeout);
     const bool fresh = std::filesystem::file_size(path_) == 0;
     if (!fresh) check_identity(*db_, path_);
-    // A row of a tile (0.7 kB, at most 1.3) shall fit beside others: of a 4 kB page SQLite gives a row without rowid a
-    // quarter at most and takes whole pages for the rest. The file is a third smaller than with 4 kB.
+    // Several rows of tiles (0.7 kB, at most 1.3) must fit into a page. In a table without rowid SQLite gives a row at
+    // most a quarter of a page, and stores the rest in whole pages of its own. The file is a third smaller than with 4
+    // kB.
     if (fresh) db_->exec("PRAGMA page_size = 8192");
     db_->exec("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL; PRAGMA foreign_keys = ON");
     // Another server may have died between creating the file and the schema: then it is still empty.
@@ -183,7 +184,7 @@ void MapStore::open() {
 
 MapStore::~MapStore() = default;
 
-/// SQLite goes on writing to a deleted file, which nobody will find again; but it also still reads it.
+/// SQLite continues to write to a deleted file, which is lost in the end; but it can still read it, so it is copied.
 void MapStore::restore_if_deleted() {
   struct stat there {
   }, ours{};
@@ -225,8 +226,8 @@ void MapStore::write(const Batch& batch) {
   }
 }
 
-/// The map may come from anywhere, and the file that it names is removed: so the name must be one that free_name()
-/// gives.
+/// Only names of the form that free_name() gives are accepted: the map may come from anywhere, and the file that it
+/// names is removed.
 std::string MapStore::stored_superseded() const {
   SQLite::Statement statement(*db_, "SELECT value FROM meta WHERE key = 'superseded'");
   if (!statement.executeStep()) return {};

@@ -28,10 +28,10 @@ namespace curbstone::semantic_map::store {
 ///   markings(id, type, confidence, width, dash, gap, points)  points: float32 LE, 4 a vertex: x y z painted (0 or 1)
 ///   trajectory(utime, revolution, x, y, z, qw, qx, qy, qz)    T_map_base at the end of each revolution
 ///
-/// Schema 1 had confidence as it is, and no hits; schema 2 had no markings and no inferred curbs. Such a map is read,
-/// with none; whoever writes to it makes it a map of schema 3.
+/// Schema 1 stored the plain confidence and no hits; schema 2 had no markings and no inferred curbs. Such maps can be
+/// read, without these; writing to one makes it a map of schema 3.
 ///
-/// There is no wall clock, pid or revision in it: two replays of one log give the same bytes.
+/// The file contains no wall clock, pid or revision: two replays of one log give the same bytes.
 inline constexpr std::int32_t kMapSchemaVersion = 3;
 
 /// One line that names the file and the error.
@@ -49,12 +49,12 @@ class WrongMapFile : public MapStoreError {
 /// Reads a map, also while a service writes it. Never changes the file. All functions throw MapStoreError.
 class MapReader {
  public:
-  /// Refuses what is missing, not a map, or of a newer schema.
+  /// Throws if the file is missing, is not a map, or has a newer schema.
   explicit MapReader(const std::string& path);
   ~MapReader();
 
-  /// While it lives, all reads of the reader see the file as it was at the first of them, whatever a service writes
-  /// meanwhile: tiles and curbs of one moment, and of one drive. The writer's journal grows for so long.
+  /// While this object lives, all reads see the file as it was at the first read, whatever a service writes meanwhile:
+  /// the tiles and curbs are of one moment, and of one drive. The writer's journal grows during that time.
   class Moment {
    public:
     explicit Moment(const MapReader& reader);
@@ -85,44 +85,43 @@ class MapReader {
   mutable std::unique_ptr<SQLite::Statement> one_tile_;  // prepared once
 };
 
-/// Writes a map. One writer a file: a second one is refused while the first lives (also after kill -9, the lock goes
-/// with the process). A write is one transaction: it is there as a whole or not at all.
+/// Writes a map. There is one writer per file: a second one is refused while the first lives. The lock ends with the
+/// process, also after kill -9. Each write is one transaction: it takes effect as a whole or not at all.
 class MapStore {
  public:
-  /// Opens or creates; a map of an earlier schema becomes one of this. Throws MapStoreError: not a map (left
-  /// untouched), newer schema (left untouched), another writer, no such directory, no permission.
+  /// Opens or creates the file, and converts a map of an earlier schema. Throws MapStoreError: not a map or a newer
+  /// schema (the file is left untouched), another writer, no such directory, no permission.
   explicit MapStore(std::string path);
   ~MapStore();
 
   /// The changes of one transaction.
   struct Batch {
-    bool clear = false;        ///< first discard all that is stored: another drive begins
-    std::string keep_in = {};  ///< but copy it to this file before; empty: do not
+    bool clear = false;        ///< first discard everything stored: another drive begins
+    std::string keep_in = {};  ///< copy the stored map to this file before that; empty: do not
     std::int32_t epoch = 0;
     std::vector<tile::MapTile> tiles = {};                     ///< replace those with the same key
     std::vector<tile::TrajectoryPose> trajectory = {};         ///< appended
     const std::vector<tile::CurbLine>* curbs = nullptr;        ///< replaces all curbs, if given
     const std::vector<tile::MarkingLine>* markings = nullptr;  ///< replaces all markings, if given
-    /// The file beside it that this map will replace when it is complete (see superseded()); "": none any more.
+    /// Sets superseded(), the file that this map replaces once it is complete; "": none any more.
     std::optional<std::string> superseded = {};
   };
-  /// Throws MapStoreError (disk full, I/O error): nothing of the batch is in the file then, try again later. A file
-  /// that was deleted meanwhile is made again first, with all that it had; one that was put in its place is left as it
-  /// is, and that is an error until it is gone.
+  /// Throws MapStoreError (disk full, I/O error): then nothing of the batch is in the file; try again later. If the
+  /// file was deleted meanwhile, it is first written again with its content. If another file is in its place, that one
+  /// is left as it is, and writing fails until it is gone.
   void write(const Batch& batch);
-  /// How often a deleted file was made again.
+  /// How often a deleted file was written again.
   [[nodiscard]] std::int64_t num_restored() const { return num_restored_; }
 
-  /// What is stored now, to decide whether a drive goes on: epoch, and utime of the first and the newest pose (0:
-  /// none).
+  /// Epoch, and utime of the first and the newest pose (0: none) in the file, to decide whether a drive continues it.
   [[nodiscard]] std::int32_t epoch() const { return epoch_; }
   [[nodiscard]] std::int64_t first_utime() const { return first_utime_; }
   [[nodiscard]] std::int64_t last_utime() const { return last_utime_; }
-  /// A file that does not exist yet, for a drive that must make room for another: map.db -> map-20261123T165133Z.db,
-  /// after its first pose; ...-2.db if that is taken, by a vehicle whose clock begins anew at each start.
+  /// Name of a new file for a drive that must make room for another: map.db -> map-20261123T165133Z.db, by the time of
+  /// its first pose. If that name is taken, as on a vehicle whose clock restarts at each boot, ...-2.db.
   [[nodiscard]] std::string free_name() const;
-  /// The file beside that a writer which died was going to remove, as this map replaces it; empty if none. Never a
-  /// file of another folder or another name than free_name() gives.
+  /// The file beside the map that a killed writer was going to remove, because this map replaces it; empty if none. It
+  /// is always in the same folder and named as by free_name().
   [[nodiscard]] const std::string& superseded() const { return superseded_; }
   [[nodiscard]] const std::string& path() const { return path_; }
 

@@ -11,7 +11,7 @@ namespace curbstone::semantic_map::store {
 namespace {
 
 constexpr std::size_t kPlain =
-    6 * tile::kCellsInTile;  // class, height (two), cost, confidence (to what is expected), hits
+    6 * tile::kCellsInTile;  // class, height (2 bytes), cost, confidence (difference from the expected value), hits
 constexpr std::size_t kPlain1 = 5 * tile::kCellsInTile;  // as schema 1 has it: without hits
 constexpr int kLevel = 6;
 
@@ -53,7 +53,7 @@ std::vector<std::uint8_t> pack_cells(const tile::MapTile& tile) {
   for (const std::int16_t h : tile.height)
     plain.push_back(static_cast<std::uint8_t>(static_cast<std::uint16_t>(h) >> 8));
   plain.insert(plain.end(), tile.cost.begin(), tile.cost.end());
-  // Mostly what the hits let expect: of that nothing remains.
+  // The confidence is mostly the value expected from the hits, so the difference is mostly 0.
   for (std::size_t i = 0; i < tile::kCellsInTile; ++i)
     plain.push_back(static_cast<std::uint8_t>(expected_confidence(tile.hits[i]) - tile.confidence[i]));
   plain.insert(plain.end(), tile.hits.begin(), tile.hits.end());

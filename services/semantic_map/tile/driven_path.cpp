@@ -10,7 +10,7 @@ namespace curbstone::semantic_map::tile {
 
 namespace {
 
-constexpr std::int32_t kMaxRings = 12;  // 36 m; who asks is nearly always nearer to the path
+constexpr std::int32_t kMaxRings = 12;  // 36 m; nearly all queries are nearer to the path
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -55,7 +55,7 @@ std::optional<Eigen::Vector2d> DrivenPath::nearest(const Eigen::Vector2d& at) co
   };
   const auto centre = tile_at(at.x(), at.y());
   for (std::int32_t ring = 0; centre && ring <= kMaxRings; ++ring) {
-    const double nearer = (ring - 1) * kTileSize;  // than all places in this ring and beyond
+    const double nearer = (ring - 1) * kTileSize;  // m: places in this ring and beyond are farther than this
     if (ring > 0 && best.first < nearer * nearer) return places_.at(best.second);
     for_ring(*centre, ring, look);
   }

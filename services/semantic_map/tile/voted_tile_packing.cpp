@@ -26,7 +26,7 @@ bool has_same_bits(const std::array<float, N>& a, const std::array<float, N>& b)
 
 using Steps = std::array<std::int16_t, 3>;
 using Position = std::array<float, 3>;
-/// As take_step() computes it.
+/// Computed as in take_step(), so that the bits are the same.
 Position position_of(const Steps& steps, float z_origin) {
   return {steps[0] * kStep, steps[1] * kStep, z_origin + steps[2] * kStep};
 }
@@ -37,7 +37,7 @@ std::int16_t steps_in(float length) {
   return std::abs(steps) <= kMaxSteps ? static_cast<std::int16_t>(steps) : std::int16_t{0};
 }
 
-/// Empty if a point does not lie on whole steps.
+/// The positions in steps of kPositionStep; empty if a point does not lie on whole steps.
 std::vector<Steps> steps_of(const VotedTile& tile) {
   std::vector<Steps> all;
   all.reserve(tile.points.size());
@@ -67,7 +67,7 @@ void pack(const VotedTile& tile, ValuePacker& packer) {
   }
   packer.put(positions);
 
-  // Of each point, how many tensors ago its own came first; 0: it is the first that takes it.
+  // For each point: how many tensors ago its tensor was first used; 0: this point is the first to use it.
   std::vector<std::uint32_t> back;
   back.reserve(tile.points.size());
   std::vector<TensorValues> tensors;

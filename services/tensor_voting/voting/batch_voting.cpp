@@ -211,7 +211,7 @@ void require_voxel(const VotingParameters& parameters) {
 }  // namespace
 
 /// The working memory of a vote, kept for the next one.
-struct BatchVoter::Room {
+struct BatchVoter::Scratch {
   StepCloud cloud;
   std::optional<Thinning> thinning;  // nothing: every point votes
   std::vector<WidePoint> voters;     // used with thinning
@@ -241,7 +241,7 @@ struct BatchVoter::Room {
   }
 };
 
-BatchVoter::BatchVoter() : room_(std::make_unique<Room>()) {}
+BatchVoter::BatchVoter() : scratch_(std::make_unique<Scratch>()) {}
 BatchVoter::~BatchVoter() = default;
 BatchVoter::BatchVoter(BatchVoter&&) noexcept = default;
 BatchVoter& BatchVoter::operator=(BatchVoter&&) noexcept = default;
@@ -257,39 +257,39 @@ void BatchVoter::vote(std::span<const Eigen::Vector3d> points, const VotingParam
     votes.tensors.resize(points.size());
     votes.decompositions.resize(points.size());
   });
-  Room& room = *room_;
-  room.cloud = to_steps(points, parameters.sigma, std::move(room.cloud));
-  votes.not_finite = room.cloud.not_finite;
-  votes.too_far = room.cloud.too_far;
+  Scratch& scratch = *scratch_;
+  scratch.cloud = to_steps(points, parameters.sigma, std::move(scratch.cloud));
+  votes.not_finite = scratch.cloud.not_finite;
+  votes.too_far = scratch.cloud.too_far;
   votes.voxel = parameters.voxel;
   votes.num_voters = 0;
-  if (room.cloud.points.empty()) {
+  if (scratch.cloud.points.empty()) {
     results.get();
     votes.tensors.assign(points.size(), {});
     votes.decompositions.assign(points.size(), {});
     return;
   }
-  room.thin(votes.voxel);
-  Assembly assembly = room.assemble(parameters, options, threads);
+  scratch.thin(votes.voxel);
+  Assembly assembly = scratch.assemble(parameters, options, threads);
   constexpr double kMaxTests = 50'000;
   const double coarse = parameters.sigma / 8;
   if (votes.voxel < coarse && assembly.crowded(kMaxTests)) {
     votes.voxel = coarse;
-    room.thin(coarse);
-    assembly = room.assemble(parameters, options, threads);
+    scratch.thin(coarse);
+    assembly = scratch.assemble(parameters, options, threads);
   }
   votes.num_voters = assembly.cells().source().size();
   results.get();
   if (votes.num_voters == points.size()) {  // voters and points are the same
-    vote_all(assembly, room.cloud, parameters, options, {votes.tensors, votes.decompositions, kernel});
+    vote_all(assembly, scratch.cloud, parameters, options, {votes.tensors, votes.decompositions, kernel});
     return;
   }
-  room.tensors.resize(votes.num_voters);
-  room.decompositions.resize(votes.num_voters);
-  vote_all(assembly, room.cloud, parameters, options, {room.tensors, room.decompositions, kernel});
+  scratch.tensors.resize(votes.num_voters);
+  scratch.decompositions.resize(votes.num_voters);
+  vote_all(assembly, scratch.cloud, parameters, options, {scratch.tensors, scratch.decompositions, kernel});
   votes.tensors.assign(points.size(), {});
   votes.decompositions.assign(points.size(), {});
-  room.spread(votes);
+  scratch.spread(votes);
 }
 
 CloudVotes vote_cloud(std::span<const Eigen::Vector3d> points, const VotingParameters& parameters, int threads,

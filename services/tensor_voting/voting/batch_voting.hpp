@@ -55,8 +55,8 @@ class BatchVoter {
             const BatchOptions& options, CloudVotes& votes);
 
  private:
-  struct Room;
-  std::unique_ptr<Room> room_;
+  struct Scratch;
+  std::unique_ptr<Scratch> scratch_;
 };
 
 /// Ball votes of all points for all points. With a voxel, the first point in each voxel votes, and the others take its

@@ -7,10 +7,6 @@
 
 namespace curbstone::tensor_voting::voting {
 
-namespace {
-constexpr std::int64_t kUsesAtOnce = 256;  // changes: the order within them is irrelevant, and costs time
-}  // namespace
-
 /// A point that is the first one in its voxel.
 struct VotingField::NewVoter {
   std::uint32_t index;
@@ -55,12 +51,12 @@ void VotingField::wake(TileKey key, VoterTile& tile) const {
   tile.wake([&](const kernels::StepPoint& at) {
     return grid_.thins() ? grid_.voxel_of(FieldPlace(key, at)) : std::uint64_t{0};
   });
-  uses_.used(key, change_ / kUsesAtOnce);
+  uses_.used(key, now_);
 }
 
 /// Puts at most one tile to sleep, so that there is no pause when a drive leaves many tiles behind.
 void VotingField::sleep_unused() {
-  const auto key = uses_.take_unused((change_ - kAwake) / kUsesAtOnce);
+  const auto key = uses_.take_unused(kAwake, now_);
   if (key) find(*key)->sleep();
 }
 

@@ -41,8 +41,8 @@ struct ReceivedBlock {
 /// The voters are chosen inside each tile by the order of its own points: the first point in a voxel votes. The other
 /// points of the voxel take the tensor of that voter.
 ///
-/// A tile sleeps, which saves memory, if no points were added to it or its neighbours for kAwake changes; added points
-/// wake it. One thread at a time, including readers.
+/// A tile sleeps, which saves memory, if no points were added to it or its neighbours for kAwake (see set_time());
+/// added points wake it. One thread at a time, including readers.
 class VotingField {
  public:
   /// Throws std::invalid_argument on the same conditions as FieldGrid.
@@ -81,10 +81,12 @@ class VotingField {
   /// The tiles whose points or tensors changed since the last call, in order of their keys.
   [[nodiscard]] std::vector<TileKey> take_changed();
 
+  /// The time by which tiles fall asleep, us, of any clock. If it is never set, no tile sleeps.
+  void set_time(std::int64_t now) { now_ = now; }
   [[nodiscard]] std::size_t num_tiles() const { return tiles_.size(); }
   [[nodiscard]] bool is_asleep(TileKey key) const;
   [[nodiscard]] std::size_t num_asleep() const { return tiles_.size() - uses_.size(); }
-  static constexpr std::int64_t kAwake = 20'000;  ///< changes: about ten seconds of a drive
+  static constexpr std::int64_t kAwake = 10'000'000;  ///< us
   /// The number of pair votes computed so far, without pairs out of reach.
   [[nodiscard]] std::int64_t num_pairs() const { return num_pairs_; }
 
@@ -113,10 +115,11 @@ class VotingField {
   kernels::VoteKernel kernel_;
   kernels::Decay decay_;
   std::unordered_map<TileKey, std::unique_ptr<VoterTile>, TileKeyHash> tiles_;
-  mutable LruOrder uses_;  // of the tiles that are awake, by change_ / kUsesAtOnce
+  mutable LruOrder uses_;  // of the tiles that are awake, by now_
   std::set<TileKey> changed_;
   std::int64_t num_pairs_ = 0;
   std::int64_t change_ = 0;
+  std::int64_t now_ = 0;  // us
   std::vector<kernels::NearBlock> near_;
   struct Place {
     std::uint32_t tile;  // among the neighbours

@@ -29,34 +29,27 @@ void PointTiles::count_removal(PointTile& tile, const TilePoint& point) const {
   }
 }
 
-PointTiles::Taken PointTiles::take(const map_points_t& message) {
-  if (!plausible(message)) return {Outcome::kRefused, {}};
-  const TileKey key{message.tile_x, message.tile_y};
-  const auto it = tiles_.find(key);
-  const std::size_t have = it == tiles_.end() ? 0 : static_cast<std::size_t>(it->second.records);
+/// Whether the message brings new records that fit: kAdded, else why not. `tile`: what is known of it, or nullptr.
+PointTiles::Outcome PointTiles::judge(const map_points_t& message, const PointTile* tile) const {
+  if (!plausible(message)) return Outcome::kRefused;
+  if (tile != nullptr && tile->z_origin != static_cast<std::int32_t>(message.z_origin)) return Outcome::kRefused;
+  const std::size_t have = tile == nullptr ? 0 : static_cast<std::size_t>(tile->records);
   const auto first = static_cast<std::size_t>(message.first);
   const auto count = static_cast<std::size_t>(message.num_points);
-  if (it != tiles_.end() && it->second.z_origin != static_cast<std::int32_t>(message.z_origin)) {
-    return {Outcome::kRefused, {}};
-  }
-  if (first > have) return {Outcome::kGap, {}};
-  if (first + count <= have) return {Outcome::kDuplicate, {}};
-  const std::size_t num_new = first + count - have;
+  if (first > have) return Outcome::kGap;
+  if (first + count <= have) return Outcome::kDuplicate;
   const auto added = std::count_if(message.x.begin() + static_cast<std::ptrdiff_t>(have - first), message.x.end(),
                                    [](std::int16_t x) { return x >= 0; });
-  if ((added > 0 && num_points_ + static_cast<std::size_t>(added) > limits_.points) ||
-      have + num_new > limits_.points_per_tile)
-    return {Outcome::kFull, {}};
+  const bool is_full = (added > 0 && num_points_ + static_cast<std::size_t>(added) > limits_.points) ||
+                       first + count > limits_.points_per_tile;
+  return is_full ? Outcome::kFull : Outcome::kAdded;
+}
 
-  PointTile& tile = tiles_[key];
-  PointTile before;
-  const bool removes = std::any_of(message.x.begin(), message.x.end(), [](std::int16_t x) { return x < 0; });
-  if (removes) before = tile;
-  tile.z_origin = static_cast<std::int32_t>(message.z_origin);
-  tile.utime = std::max(tile.utime, message.utime);
-  const std::size_t num_before = tile.points.size();
-  make_room(num_new, tile.points);
-  for (std::size_t i = have - first; i < count; ++i) {
+/// Appends the records of the message from `begin` on. False if a removal names a point that the tile does not have.
+bool PointTiles::append(const map_points_t& message, std::size_t begin, PointTile& tile) const {
+  const auto count = static_cast<std::size_t>(message.num_points);
+  make_room(count - begin, tile.points);
+  for (std::size_t i = begin; i < count; ++i) {
     const TilePoint record{message.x[i], message.y[i], message.z[i], message.intensity[i]};
     ++tile.records;
     if (!is_removal(record)) {
@@ -66,13 +59,29 @@ PointTiles::Taken PointTiles::take(const map_points_t& message) {
     const TilePoint point = removal_of(record);
     const auto at = std::find_if(tile.points.begin(), tile.points.end(),
                                  [&](const TilePoint& p) { return at_one_place(p, point); });
-    if (at == tile.points.end()) {
-      tile = before;
-      if (before.records == 0) tiles_.erase(key);
-      return {Outcome::kRefused, {}};
-    }
+    if (at == tile.points.end()) return false;
     tile.points.erase(at);
     count_removal(tile, point);
+  }
+  return true;
+}
+
+PointTiles::Taken PointTiles::take(const map_points_t& message) {
+  const TileKey key{message.tile_x, message.tile_y};
+  if (const Outcome outcome = judge(message, find(key)); outcome != Outcome::kAdded) return {outcome, {}};
+
+  PointTile& tile = tiles_[key];
+  PointTile before;
+  const bool removes = std::any_of(message.x.begin(), message.x.end(), [](std::int16_t x) { return x < 0; });
+  if (removes) before = tile;
+  const std::size_t num_before = tile.points.size();
+  const auto known = static_cast<std::size_t>(tile.records - message.first);  // records of the message
+  tile.z_origin = static_cast<std::int32_t>(message.z_origin);
+  tile.utime = std::max(tile.utime, message.utime);
+  if (!append(message, known, tile)) {
+    tile = before;
+    if (before.records == 0) tiles_.erase(key);
+    return {Outcome::kRefused, {}};
   }
   num_points_ += tile.points.size();
   num_points_ -= num_before;

@@ -56,6 +56,8 @@ class PointTiles {
 
  private:
   [[nodiscard]] bool plausible(const map_points_t& message) const;
+  [[nodiscard]] Outcome judge(const map_points_t& message, const PointTile* tile) const;
+  [[nodiscard]] bool append(const map_points_t& message, std::size_t begin, PointTile& tile) const;
   void count_removal(PointTile& tile, const TilePoint& point) const;
 
   Limits limits_;

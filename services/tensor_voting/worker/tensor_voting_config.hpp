@@ -30,7 +30,7 @@ struct TensorVotingConfig {
     v.field("ball", ball, {0.5, 1.0}, "coefficient of the ball vote: 1 straight continuation, 0.5 cos^2");
     v.field("bandwidth", bandwidth, {0.1, 100.0}, "MB/s of VOTED_POINTS at most");
     v.field("min_interval", min_interval, {0.0, 10.0}, "s between two revisions of a tile");
-    v.field("keep_radius", keep_radius, {20.0, 1e6}, "m, tiles farther from the vehicle are let go");
+    v.field("keep_radius", keep_radius, {20.0, 1e6}, "m, tiles farther from the vehicle are released");
     v.field("max_points", max_points, {1000, 1e9}, "points of the map in memory");
     v.field("worker_timeout", worker_timeout, {0.5, 60.0}, "s, a worker not heard for so long is gone");
   }

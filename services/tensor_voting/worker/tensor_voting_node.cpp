@@ -261,6 +261,7 @@ void TensorVotingNode::advance(std::int64_t now) {
   const double burst = std::max({earned, config_.bandwidth * kBurst, static_cast<double>(kMaxPageBytes)});
   budget_ = std::min(budget_ + earned, burst);
   now_ = now;
+  map_.set_time(now);
 }
 
 void TensorVotingNode::caught_up(std::int64_t now) {

@@ -113,6 +113,10 @@ void VotedMap::move(std::size_t num_points) {
   }
 }
 
+void VotedMap::set_time(std::int64_t now) {
+  for (voting::VotingField& field : fields_) field.set_time(now);
+}
+
 bool VotedMap::is_current(TileKey key) const {
   bool current = true;
   for_each_around(key, [&](TileKey around) {

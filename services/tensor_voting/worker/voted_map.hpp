@@ -38,6 +38,9 @@ class VotedMap {
   void move(std::size_t num_points);
   [[nodiscard]] bool is_moving() const { return !moves_.empty(); }
 
+  /// See VotingField.
+  void set_time(std::int64_t now);
+
   [[nodiscard]] const PointTiles& points() const { return points_; }
   [[nodiscard]] std::span<const voting::VotingField> fields() const { return fields_; }
   /// Whether all points of the tile and of its neighbours have voted: its tensors are then those of the known map.

@@ -92,8 +92,7 @@ bool Endpoint::wants(Topic topic) const {
 Counters Endpoint::counters() const {
   Counters counters = counters_;
   set_level(counters, "foxglove.clients", static_cast<std::int64_t>(known_.size()));
-  const Counters connections = clients_.counters();
-  for (const auto& [name, value] : connections.values()) counters.add(name, value);
+  counters.add(clients_.counters());
   return counters;
 }
 

@@ -66,7 +66,7 @@ bool CloudFeed::has_news(const DenseCloud& cloud) const {
 bool CloudFeed::write(ByteWriter& out, const DenseCloud& cloud, std::int64_t now) {
   const double passed = last_ == 0 ? 0 : static_cast<double>(std::max<std::int64_t>(0, now - last_)) * 1e-6;
   last_ = now;
-  allowance_ = std::min(kMostBytes, allowance_ + kRate * passed);
+  allowance_ = std::min(kMaxBytes, allowance_ + kRate * passed);
   std::erase_if(sent_, [&](const auto& entry) { return !cloud.tiles().contains(entry.first); });
 
   struct Due {

@@ -21,8 +21,8 @@ struct CloudWish {
 /// Sends one page the changes of the dense cloud, within a rate. Pure; one thread.
 class CloudFeed {
  public:
-  static constexpr double kRate = 200'000;      ///< bytes per second, in the mean
-  static constexpr double kMostBytes = 36'000;  ///< of a frame, about; 4,000 points
+  static constexpr double kRate = 200'000;     ///< bytes per second, in the mean
+  static constexpr double kMaxBytes = 36'000;  ///< of a frame, about; 4,000 points
   static constexpr std::size_t kPointBytes = 9;
 
   void want(const CloudWish& wish);
@@ -42,7 +42,7 @@ class CloudFeed {
 
   CloudWish wish_;
   std::map<TileKey, std::uint64_t> sent_;  // number up to which the page has the tile
-  double allowance_ = kMostBytes;          // bytes; below 0 after a large tile
+  double allowance_ = kMaxBytes;           // bytes; below 0 after a large tile
   std::int64_t last_ = 0;                  // us
 };
 

@@ -7,7 +7,7 @@ namespace curbstone::viewer::store {
 namespace {
 
 /// Bounds: the page's numbers have 53 bits, and its textures span some kilometres.
-constexpr std::int32_t kFarthestTile = 1'000'000;        // 3000 km
+constexpr std::int32_t kMaxTile = 1'000'000;             // 3000 km
 constexpr std::int64_t kLatest = 4'102'444'800'000'000;  // us: the year 2100
 
 bool is_time(std::int64_t utime) {
@@ -15,7 +15,7 @@ bool is_time(std::int64_t utime) {
 }
 
 bool is_near(std::int32_t tile) {
-  return tile >= -kFarthestTile && tile <= kFarthestTile;
+  return tile >= -kMaxTile && tile <= kMaxTile;
 }
 
 }  // namespace

@@ -82,15 +82,12 @@ TEST(Log, RefusesToWriteWhereItCannot) {
 TEST(MessageOrder, SortsByMessageTimeWithinTheWindowAndKeepsTies) {
   MessageOrder order(100);
   std::vector<std::int64_t> out;
-  const auto drain = [&](bool all) {
-    while (const auto event = order.pop(all)) out.push_back(message_time(*event));
-  };
   const std::int64_t times[] = {100, 300, 200, 300, 500};
   for (std::int64_t i = 0; i < 5; ++i) {
     order.push({300 + 60 * i, i % 2 == 0 ? "IMU" : "WHEELS", encoded(times[i])});
-    drain(false);
+    while (const auto event = order.pop()) out.push_back(message_time(*event));
   }
-  drain(true);
+  while (const auto event = order.pop_rest()) out.push_back(message_time(*event));
   EXPECT_EQ(out, (std::vector<std::int64_t>{100, 200, 300, 300, 500}));
 }
 
@@ -100,9 +97,9 @@ std::vector<std::int64_t> sorted(const std::vector<std::int64_t>& logged, const 
   std::vector<std::int64_t> out;
   for (std::size_t i = 0; i < logged.size(); ++i) {
     order.push({logged[i], i % 2 == 0 ? "IMU" : "WHEELS", encoded(times[i])});
-    while (const auto event = order.pop(false)) out.push_back(message_time(*event));
+    while (const auto event = order.pop()) out.push_back(message_time(*event));
   }
-  while (const auto event = order.pop(true)) out.push_back(message_time(*event));
+  while (const auto event = order.pop_rest()) out.push_back(message_time(*event));
   return out;
 }
 
@@ -136,9 +133,9 @@ TEST(MessageOrder, AChannelWhoseClockAloneIsSetKeepsItsPlace) {
     const std::int64_t off = !is_lidar ? 0 : ms == 4'000 ? 3'000 : ms >= 5'000 && ms < 7'000 ? -700 : 0;
     expected.emplace_back(is_lidar ? "LIDAR" : "IMU");
     order.push({1000 * (ms + 3), expected.back(), encoded(1000 * (ms + off))});
-    while (const auto event = order.pop(false)) out.push_back(event->channel);
+    while (const auto event = order.pop()) out.push_back(event->channel);
   }
-  while (const auto event = order.pop(true)) out.push_back(event->channel);
+  while (const auto event = order.pop_rest()) out.push_back(event->channel);
   EXPECT_EQ(out, expected);
 }
 
@@ -156,7 +153,7 @@ TEST(MessageOrder, AChannelInAnotherClockFromTheBeginningKeepsItsPlace) {
   for (std::int64_t us = kHour; us < kHour + 2'000'000; us += 10'000) {
     const bool is_lidar = us % 20'000 == 0;
     order.push({us, is_lidar ? "LIDAR" : "IMU", encoded(is_lidar ? us + kHour : us)});
-    while (const auto event = order.pop(false)) {
+    while (const auto event = order.pop()) {
       since_imu = event->channel == "IMU" ? 0 : since_imu + 1;
       most = std::max(most, since_imu);
     }
@@ -173,9 +170,9 @@ TEST(MessageOrder, AfterAGapTheOrderIsExact) {
     ms += i == 300 ? 30'000 : 10;
     const std::int64_t latency = i % 2 == 0 ? 35 : 2;
     order.push({1000 * (ms + 40), i % 2 == 0 ? "LIDAR" : "IMU", encoded(1000 * (ms + 40 - latency))});
-    while (const auto event = order.pop(false)) out.push_back(message_time(*event));
+    while (const auto event = order.pop()) out.push_back(message_time(*event));
   }
-  while (const auto event = order.pop(true)) out.push_back(message_time(*event));
+  while (const auto event = order.pop_rest()) out.push_back(message_time(*event));
   EXPECT_TRUE(std::is_sorted(out.begin(), out.end()));
 }
 
@@ -185,7 +182,7 @@ TEST(MessageOrder, WhereTheTimesStandStillTheWaitIsBounded) {
   for (std::size_t i = 0; i < MessageOrder::kMaxWaiting + 100; ++i) {
     order.push({7, "IMU", encoded(static_cast<std::int64_t>(i))});
     ++waiting;
-    while (order.pop(false)) --waiting;
+    while (order.pop()) --waiting;
   }
   EXPECT_EQ(waiting, MessageOrder::kMaxWaiting);
 }

@@ -31,7 +31,7 @@ TEST(SilenceTimer, CountsFromTheWakeUpOfAListenerThatWasStopped) {
   listener.timer.heard();
   listener.now += 5'000'000;
   listener.run(0.02);
-  EXPECT_LE(listener.timer.silent(), SilenceTimer::kMostPerTick);
+  EXPECT_LE(listener.timer.silent(), SilenceTimer::kMaxPerTick);
   listener.run(1);
   EXPECT_GE(listener.timer.silent(), 1'000'000) << "a sender that is silent afterwards is named";
 }

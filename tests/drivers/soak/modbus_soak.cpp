@@ -142,7 +142,7 @@ Soak soak_modbus(double hours) {
       [&](const Block& block, std::span<std::uint16_t> registers) { return line.read(block, registers); },
       [&] { line.now += 2000; });
   node.add_report([&](NodeReport& report) {
-    for (const auto& [name, value] : poll.counters().values()) report.counters.add(name, value);
+    report.counters.add(poll.counters());
     if (!poll.fault().empty()) report.faults.push_back(poll.fault());
     if (poll.share().fault()) report.faults.push_back(*poll.share().fault());
   });

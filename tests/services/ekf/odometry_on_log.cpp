@@ -57,9 +57,9 @@ Run run(const std::string& log_file, ekf::EkfNode& node, mapper::MapperNode* map
                         (mapper != nullptr && event->channel == "LIDAR_POINTS");
     if (!wanted) continue;
     order.push(std::move(*event));
-    while (const auto ready = order.pop(false)) deliver(*ready);
+    while (const auto ready = order.pop()) deliver(*ready);
   }
-  while (const auto ready = order.pop(true)) deliver(*ready);
+  while (const auto ready = order.pop_rest()) deliver(*ready);
   node.finish();
   bus.dispatch();
   return out;

@@ -109,9 +109,9 @@ void feed_log(const std::string& file, bool with_odometry, LocalBus& bus, mapper
   const double begin = cpu_ms();
   while (const auto event = reader.next()) {
     order.push(*event);
-    while (const auto next = order.pop(false)) handle(*next);
+    while (const auto next = order.pop()) handle(*next);
   }
-  while (const auto next = order.pop(true)) handle(*next);
+  while (const auto next = order.pop_rest()) handle(*next);
   ekf.finish();
   bus.dispatch();
   fmt::print("CPU of it all: {:.1f} s\n", (cpu_ms() - begin) * 1e-3);

@@ -47,7 +47,7 @@ struct CurbBenchConfig {
   semantic_map::cells::ClassParameters classes;
   void visit(ConfigVisitor& v) {
     v.section("curb", curb, "how curbs are found");
-    v.section("classes", classes, "what blocks and what does not");
+    v.section("classes", classes, "classes and costs of cells");
   }
 };
 

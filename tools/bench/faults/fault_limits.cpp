@@ -29,7 +29,7 @@ bool is_judged(const FaultRow& row) {
 }  // namespace
 
 std::vector<std::string> broken_limits(const FaultReport& report) {
-  const double most_a_second = kMostSpreads * spread(report);
+  const double most_a_second = kMaxSpreads * spread(report);
   std::vector<std::string> broken;
   for (const FaultRow& row : report.rows) {
     const auto breaks = [&](const std::string& what) { broken.push_back(fmt::format("{}: {}", row.fault, what)); };

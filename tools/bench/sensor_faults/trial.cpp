@@ -82,13 +82,13 @@ std::int32_t drive_with(const TrueDrive& drive, const catalogue::Fault& fault, r
     std::optional<LogEvent> second = messages.second(t, *event);
     if (messages.apply(t, *event)) order.push(std::move(*event));
     if (second) order.push(std::move(*second));
-    while (auto ready = order.pop(false)) deliver(std::move(*ready));
+    while (auto ready = order.pop()) deliver(std::move(*ready));
     if (t < looked + kLookEvery) continue;
     looked = t;
     witness.look(t, vehicle.stages());
   }
   if (!start) throw std::runtime_error(drive.log + ": holds no LIDAR_POINTS, IMU or WHEELS");
-  while (auto ready = order.pop(true)) deliver(std::move(*ready));
+  while (auto ready = order.pop_rest()) deliver(std::move(*ready));
   witness.look(t, vehicle.stages());
   vehicle.finish();
   return revolution;

@@ -9,7 +9,7 @@ namespace curbstone::doctor::checks {
 namespace {
 
 constexpr std::int64_t kMaxOffset = 50'000;  // us; at 20 m/s this shifts a map point by 1 m
-constexpr int kFewestCores = 2;
+constexpr int kMinCores = 2;
 
 Verdict check_clock(const ClockFacts& clock) {
   const std::string who =
@@ -29,7 +29,7 @@ Verdict check_clock(const ClockFacts& clock) {
 
 /// intel_pstate and amd-pstate-epp reach full speed in "powersave" too; with other drivers the CPU stays at its lowest.
 Verdict check_processor(const ProcessorFacts& processor) {
-  if (processor.cores < kFewestCores) {
+  if (processor.cores < kMinCores) {
     return finding("processor", fmt::format("{} core: the stack needs two", processor.cores),
                    "give it two: taskset -p 1 or the unit's CPUAffinity shows why");
   }

@@ -54,9 +54,7 @@ std::vector<Message> FoxgloveLog::tick(std::int64_t now) {
 
 Counters FoxgloveLog::counters() const {
   Counters counters = node_.report().counters;
-  for (const Counters& more : {state_.counters(), bus_.counters()}) {
-    for (const auto& [name, value] : more.values()) counters.add(name, value);
-  }
+  for (const Counters& more : {state_.counters(), bus_.counters()}) counters.add(more);
   return counters;
 }
 

@@ -14,7 +14,7 @@ using world::Street;
 
 constexpr double kLineWidth = 0.12;     // m
 constexpr double kStep = 0.25;          // m between the vertices of a line
-constexpr double kShortest = 1.0;       // m of a line
+constexpr double kMinLength = 1.0;      // m of a line
 constexpr double kFromCurb = 0.5;       // m, of the edge line
 constexpr double kBesideParked = 2.25;  // m from the curb, of the line along parked cars
 constexpr double kZebraLength = 4.0;    // m along the street
@@ -42,7 +42,7 @@ class StreetPainter {
             Dashes dashes = {0, 0}, double apart = 0) {
     std::vector<double> run;
     const auto finish = [&] {
-      if (run.size() > 1 && run.back() - run.front() >= kShortest) add_run(left, run, type, dashes, apart);
+      if (run.size() > 1 && run.back() - run.front() >= kMinLength) add_run(left, run, type, dashes, apart);
       run.clear();
     };
     for (double s = part.from; s <= part.to; s += kStep) {

@@ -86,8 +86,8 @@ std::vector<double> read_times(const std::string& file) {
       throw std::runtime_error(fmt::format("{}:{}: times must increase", file, number));
     times.push_back(numbers[0]);
   }
-  constexpr double kLongest = 10;  // s between scans
-  if (times.size() > 1 && times.back() - times.front() > kLongest * static_cast<double>(times.size() - 1)) {
+  constexpr double kMaxInterval = 10;  // s between scans
+  if (times.size() > 1 && times.back() - times.front() > kMaxInterval * static_cast<double>(times.size() - 1)) {
     throw std::runtime_error(fmt::format("{}: its scans are {:.0f} s apart; times are in s", file,
                                          (times.back() - times.front()) / static_cast<double>(times.size() - 1)));
   }

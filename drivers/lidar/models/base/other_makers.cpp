@@ -16,10 +16,10 @@ std::size_t little16(Bytes bytes, std::size_t at) {
 
 /// Blocks of an azimuth and 3 or 4 bytes a laser.
 bool holds_blocks(std::size_t size, std::size_t header, int lasers, int blocks) {
-  constexpr std::size_t kLongestTail = 300;  // bytes: with its optional parts
+  constexpr std::size_t kMaxTail = 300;  // bytes: with its optional parts
   if (lasers < 16 || blocks < 1) return false;
   const auto body = static_cast<std::size_t>(blocks) * (2 + 3 * static_cast<std::size_t>(lasers));
-  return size >= header + body && size <= header + 4 * body / 3 + 4 * static_cast<std::size_t>(blocks) + kLongestTail;
+  return size >= header + body && size <= header + 4 * body / 3 + 4 * static_cast<std::size_t>(blocks) + kMaxTail;
 }
 
 /// Hesai: EE FF, then a header with the numbers of lasers and blocks and the unit of distances, which is 4 mm in all of

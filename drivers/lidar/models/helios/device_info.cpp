@@ -33,7 +33,7 @@ constexpr std::size_t kGpsStatus = 359;   // bit 0 PPS, bit 1 GPRMC
 constexpr std::size_t kElevations = 468;  // 32 x sign, u16 0.01 deg
 constexpr std::size_t kAzimuths = 564;    // the same
 constexpr double kSteepest = 90.0;        // deg
-constexpr double kFarthestBeside = 30.0;  // deg
+constexpr double kMaxBeside = 30.0;       // deg
 
 int be16(Bytes bytes, std::size_t at) {
   return read_big_endian<std::uint16_t>(bytes.subspan(at));
@@ -52,7 +52,7 @@ int read_angles(Bytes bytes, std::array<LaserAngles, kRecords>& angles) {
   std::size_t lasers = 0;
   for (; lasers < kRecords; ++lasers) {
     const auto elevation = angle(bytes, kElevations, lasers, kSteepest);
-    const auto azimuth = angle(bytes, kAzimuths, lasers, kFarthestBeside);
+    const auto azimuth = angle(bytes, kAzimuths, lasers, kMaxBeside);
     if (!elevation || !azimuth) break;
     const auto same = [&](const LaserAngles& other) { return other.elevation == *elevation; };
     if (std::any_of(angles.begin(), angles.begin() + static_cast<std::ptrdiff_t>(lasers), same)) break;
@@ -82,14 +82,14 @@ bool are_spread_evenly(std::vector<double> elevations) {
 }  // namespace
 
 bool is_plausible(const DeviceInfo& info, const DeviceStatus& status) {
-  constexpr double kFarthestAside = 10;  // deg
+  constexpr double kMaxAzimuth = 10;  // deg
   const bool can_be_set = info.rpm == 300 || info.rpm == 600 || info.rpm == 1200;
   const bool has_it = std::abs(status.rpm - info.rpm) <= info.rpm / 10 || status.rpm == 0;
   if (!can_be_set || !has_it || info.lasers == 0) return false;
   std::vector<double> elevations;
   for (int i = 0; i < info.lasers; ++i) {
     const LaserAngles& laser = info.angles[static_cast<std::size_t>(i)];
-    if (std::abs(laser.azimuth) > kFarthestAside) return false;
+    if (std::abs(laser.azimuth) > kMaxAzimuth) return false;
     elevations.push_back(laser.elevation);
   }
   return are_spread_evenly(std::move(elevations));

@@ -32,15 +32,6 @@ std::optional<std::int64_t> stamp_of(const MsopPacket& packet) {
   return static_cast<std::int64_t>(std::uint64_t{packet.seconds}) * 1'000'000 + std::uint32_t{packet.microseconds};
 }
 
-decoding::BlockRecords records_of(const MsopBlock& block) {
-  static_assert(sizeof block.records == decoding::kRecordBytes * decoding::kRecordsPerBlock);
-  decoding::BlockRecords records;
-  std::array<std::uint8_t, sizeof block.records> bytes;
-  std::memcpy(bytes.data(), block.records, sizeof bytes);
-  decoding::take_records(bytes, records);
-  return records;
-}
-
 /// Two returns: if a shot has only one, both are equal. `apart`: records from one return to the other.
 void leave_out_repeats(const decoding::BlockRecords& first, decoding::BlockRecords& other, std::size_t apart) {
   for (std::size_t i = apart; i < kRecords; ++i) {
@@ -48,6 +39,17 @@ void leave_out_repeats(const decoding::BlockRecords& first, decoding::BlockRecor
     if (other.distance[i] == first.distance[of_first] && other.intensity[i] == first.intensity[of_first])
       other.leave_out(i);
   }
+}
+
+using Azimuths = std::array<std::uint16_t, kBlocksPerPacket>;
+
+/// Reads the azimuth of each firing, 0.01 deg. False if the two blocks of a firing differ.
+bool read_azimuths(const MsopPacket& msop, std::size_t blocks_a_firing, Azimuths& azimuths) {
+  for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {
+    if (b % blocks_a_firing == 1 && msop.blocks[b].azimuth != azimuths[b / 2]) return false;
+    azimuths[b / blocks_a_firing] = msop.blocks[b].azimuth;
+  }
+  return true;
 }
 
 }  // namespace
@@ -101,11 +103,8 @@ Refusal HeliosDecoder::decode(std::span<const std::uint8_t> bytes, decoding::Dec
   const std::size_t sequences = sixteen && !dual_return_ ? 2 : 1;
   const std::size_t firings = kBlocksPerPacket / blocks_a_firing;
   const double period = static_cast<double>(sequences) * kSequencePeriod;
-  std::array<std::uint16_t, kBlocksPerPacket> azimuths{};
-  for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {
-    if (b % blocks_a_firing == 1 && msop.blocks[b].azimuth != azimuths[b / 2]) return Refusal::kAzimuth;
-    azimuths[b / blocks_a_firing] = msop.blocks[b].azimuth;
-  }
+  Azimuths azimuths{};
+  if (!read_azimuths(msop, blocks_a_firing, azimuths)) return Refusal::kAzimuth;
   std::array<decoding::BlockSpan, kBlocksPerPacket> spans;
   const decoding::BlockSteps steps =
       decoding::block_steps(std::span(azimuths).first(firings), blind_zone_, period, spans);
@@ -114,9 +113,7 @@ Refusal HeliosDecoder::decode(std::span<const std::uint8_t> bytes, decoding::Dec
   packet.stamp = stamp_of(msop);
   if (packet.stamp) blind_zone_.next_stamp(*packet.stamp);
   if (!steps.steady) {
-    const double lasts = static_cast<double>(firings) * period * 1e6;
-    if (packet.stamp && steps.gap)
-      blind_zone_.suspect(*steps.gap, *packet.stamp, lasts, lasts + (steps.gap->width / steps.mean - 1) * period * 1e6);
+    decoding::suspect_blind_zone(steps, packet.stamp, firings, period, blind_zone_);
     return Refusal::kAzimuth;
   }
   packet.azimuth = azimuths[0];
@@ -125,7 +122,8 @@ Refusal HeliosDecoder::decode(std::span<const std::uint8_t> bytes, decoding::Dec
   decoding::PointWriter writer(rules_in(distance_step), packet);
   for (std::size_t f = 0; f < firings; ++f) {
     std::array<decoding::BlockRecords, 2> returns;
-    for (std::size_t i = 0; i < blocks_a_firing; ++i) returns[i] = records_of(msop.blocks[f * blocks_a_firing + i]);
+    for (std::size_t i = 0; i < blocks_a_firing; ++i)
+      returns[i] = decoding::records_of(msop.blocks[f * blocks_a_firing + i].records);
     if (dual_return_ && sixteen) leave_out_repeats(returns[0], returns[0], variant_.lasers);
     if (dual_return_ && !sixteen) leave_out_repeats(returns[0], returns[1], 0);
     writer.add({azimuths[f], 0.01 * spans[f].angle / period, spans[f].start},

@@ -25,15 +25,6 @@ Refusal check(const MsopPacket& packet) {
   return Refusal::kNone;
 }
 
-decoding::BlockRecords records_of(const MsopBlock& block) {
-  static_assert(sizeof block.records == decoding::kRecordBytes * decoding::kRecordsPerBlock);
-  decoding::BlockRecords records;
-  std::array<std::uint8_t, sizeof block.records> bytes;
-  std::memcpy(bytes.data(), block.records, sizeof bytes);
-  decoding::take_records(bytes, records);
-  return records;
-}
-
 /// Two returns: if a shot has only one, the half of the block for the other return repeats it.
 void leave_out_repeats(decoding::BlockRecords& records) {
   for (std::size_t i = kLasers; i < decoding::kRecordsPerBlock; ++i) {
@@ -83,10 +74,7 @@ Refusal Rs16Decoder::decode(std::span<const std::uint8_t> bytes, decoding::Decod
   packet.stamp = robosense::utime_from(msop.time);
   if (packet.stamp) blind_zone_.next_stamp(*packet.stamp);
   if (!steps.steady) {
-    const double lasts = kBlocksPerPacket * block_period_ * 1e6;
-    if (packet.stamp && steps.gap)
-      blind_zone_.suspect(*steps.gap, *packet.stamp, lasts,
-                          lasts + (steps.gap->width / steps.mean - 1) * block_period_ * 1e6);
+    decoding::suspect_blind_zone(steps, packet.stamp, kBlocksPerPacket, block_period_, blind_zone_);
     return Refusal::kAzimuth;
   }
   packet.azimuth = azimuths[0];
@@ -94,7 +82,7 @@ Refusal Rs16Decoder::decode(std::span<const std::uint8_t> bytes, decoding::Decod
   packet.duration = spans.back().start + block_period_;
   decoding::PointWriter writer(rules_, packet);
   for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {
-    decoding::BlockRecords records = records_of(msop.blocks[b]);
+    decoding::BlockRecords records = decoding::records_of(msop.blocks[b].records);
     if (device_.dual_return) leave_out_repeats(records);
     writer.add({azimuths[b], 0.01 * spans[b].angle / block_period_, spans[b].start}, records);
   }

@@ -13,7 +13,7 @@ using decoding::Refusal;
 namespace {
 
 constexpr std::int64_t kHour = 3'600'000'000;             // us
-constexpr std::int64_t kLongestHour = kHour + 1'000'000;  // us: values slightly above an hour occur
+constexpr std::int64_t kMaxPastHour = kHour + 1'000'000;  // us: values slightly above an hour occur
 
 decoding::BlockRecords records_of(std::span<const std::uint8_t> block) {
   decoding::BlockRecords records;
@@ -23,6 +23,20 @@ decoding::BlockRecords records_of(std::span<const std::uint8_t> block) {
     records.intensity[i] = record[2];
   }
   return records;
+}
+
+using Azimuths = std::array<std::uint16_t, kBlocksPerPacket>;
+
+/// Reads the azimuth of each firing, 0.01 deg. With two returns a firing has two blocks, of the same azimuth.
+Refusal read_azimuths(std::span<const std::uint8_t> bytes, std::size_t blocks_a_firing, Azimuths& azimuths) {
+  for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {
+    if (bytes[kBlockSize * b] != 0xFF || bytes[kBlockSize * b + 1] != 0xEE) return Refusal::kBlock;
+    const auto azimuth = read_little_endian<std::uint16_t>(bytes.subspan(kBlockSize * b + 2));
+    if (azimuth >= 36000) return Refusal::kAzimuth;
+    if (b % blocks_a_firing == 1 && azimuth != azimuths[b / 2]) return Refusal::kAzimuth;
+    azimuths[b / blocks_a_firing] = azimuth;
+  }
+  return Refusal::kNone;
 }
 
 /// Two returns: if a shot has only one, both are equal.
@@ -65,27 +79,19 @@ Refusal Vlp16Decoder::decode(std::int64_t received, std::span<const std::uint8_t
   const std::size_t blocks_a_firing = dual ? 2 : 1;
   const std::size_t firings = kBlocksPerPacket / blocks_a_firing;
 
-  std::array<std::uint16_t, kBlocksPerPacket> azimuths{};
-  for (std::size_t b = 0; b < kBlocksPerPacket; ++b) {
-    if (bytes[kBlockSize * b] != 0xFF || bytes[kBlockSize * b + 1] != 0xEE) return Refusal::kBlock;
-    const auto azimuth = read_little_endian<std::uint16_t>(bytes.subspan(kBlockSize * b + 2));
-    if (azimuth >= 36000) return Refusal::kAzimuth;
-    if (dual && b % 2 == 1 && azimuth != azimuths[b / 2]) return Refusal::kAzimuth;  // the second block of the pair
-    azimuths[b / blocks_a_firing] = azimuth;
-  }
+  Azimuths azimuths{};
+  if (const Refusal refusal = read_azimuths(bytes, blocks_a_firing, azimuths); refusal != Refusal::kNone)
+    return refusal;
   std::array<decoding::BlockSpan, kBlocksPerPacket> spans;
   const decoding::BlockSteps steps =
       decoding::block_steps(std::span(azimuths).first(firings), blind_zone_, kBlockPeriod, spans);
 
   packet.begin();
   const std::int64_t past_hour = read_little_endian<std::uint32_t>(bytes.subspan(kStamp));
-  if (past_hour < kLongestHour) packet.stamp = resolve(past_hour, received);
+  if (past_hour < kMaxPastHour) packet.stamp = resolve(past_hour, received);
   if (packet.stamp) blind_zone_.next_stamp(*packet.stamp);
   if (!steps.steady) {
-    const double lasts = static_cast<double>(firings) * kBlockPeriod * 1e6;
-    if (packet.stamp && steps.gap)
-      blind_zone_.suspect(*steps.gap, *packet.stamp, lasts,
-                          lasts + (steps.gap->width / steps.mean - 1) * kBlockPeriod * 1e6);
+    decoding::suspect_blind_zone(steps, packet.stamp, firings, kBlockPeriod, blind_zone_);
     return Refusal::kAzimuth;
   }
   dual_return_ = dual;

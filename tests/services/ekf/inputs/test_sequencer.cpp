@@ -22,9 +22,11 @@ class SequencerTest : public ::testing::Test {
     m.begin = kStart + (ms - 500) * kMillisecond;
     m.utime = kStart + ms * kMillisecond;
     sequencer_.push(m);
-    collect(false);
+    while (const auto sample = sequencer_.pop()) note(*sample);
   }
-  void drain() { collect(true); }
+  void drain() {
+    while (const auto sample = sequencer_.pop_rest()) note(*sample);
+  }
 
   Sequencer sequencer_{base::EkfConfig{}};
   std::string order_;  ///< "i10 w12 ..." in ms
@@ -33,14 +35,12 @@ class SequencerTest : public ::testing::Test {
   template <class Sample>
   void push(const Sample& sample) {
     sequencer_.push(sample);
-    collect(false);
+    while (const auto sample = sequencer_.pop()) note(*sample);
   }
-  void collect(bool drain) {
-    while (const auto sample = sequencer_.pop(drain)) {
-      constexpr std::array kLetters = {"w", "i", "m"};
-      const std::int64_t utime = std::visit([](const auto& s) { return s.utime; }, *sample);
-      order_ += kLetters[sample->index()] + std::to_string((utime - kStart) / kMillisecond) + " ";
-    }
+  void note(const Sequencer::Sample& sample) {
+    constexpr std::array kLetters = {"w", "i", "m"};
+    const std::int64_t utime = std::visit([](const auto& s) { return s.utime; }, sample);
+    order_ += kLetters[sample.index()] + std::to_string((utime - kStart) / kMillisecond) + " ";
   }
 };
 

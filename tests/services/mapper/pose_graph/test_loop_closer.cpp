@@ -125,6 +125,21 @@ TEST_F(OnceRound, AClosureThatContradictsTheDriveIsRefused) {
   EXPECT_EQ(drive_.closer.counters()["loops.refused"], 1);
 }
 
+TEST_F(OnceRound, ALoopIsUncertainAlongTheAxesOfTheNodeThatItEndsAt) {
+  const auto closure = look_while_driving(20);
+  ASSERT_TRUE(closure);
+  LoopClosure seen = *closure;
+  seen.covariance = registration::Vector6(0.25, 1e-6, 1e-6, 1e-9, 1e-9, 1e-9).asDiagonal();  // unknown ahead of itself
+  // The vehicle has turned by a right angle since the last node, towards -y of that node.
+  const Pose& T_map_reference = drive_.atlas.node(drive_.atlas.reference()).T_map_base;
+  const Pose T_reference_base = test::pose(1, 0, 0, 0, 0, -std::numbers::pi / 2);
+  seen.T_node_base = seen.T_node_base * drive_.T_map_base.inverse() * T_map_reference * T_reference_base;
+  const auto correction = drive_.closer.solve(drive_.atlas, seen, T_map_reference * T_reference_base);
+  ASSERT_TRUE(correction);
+  EXPECT_LT(correction->loop.information(1, 1), 1 / 0.25);
+  EXPECT_GT(correction->loop.information(0, 0), 1000) << "to 20 mm along the node's own x axis";
+}
+
 TEST_F(OnceRound, IsNotClosedWhereThatIsNotWanted) {
   config::LoopConfig config;
   config.close = false;

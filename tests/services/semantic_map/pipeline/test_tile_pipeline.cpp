@@ -229,11 +229,12 @@ tile::VotedStep step_of(std::int32_t base, std::int32_t first, std::int32_t poin
   return {.key = {0, 0}, .chain = 7, .base = base, .revision = base + 1, .pages = {page}};
 }
 
-/// So many steps of a tile far from the others that these fall asleep.
-void drive_on(TilePipeline& pipeline) {
+/// Steps of a tile far from the others, until these have fallen asleep.
+void drive_on(TilePipeline& pipeline, std::int64_t now) {
   tile::VotedStep elsewhere = step_of(0, 0, 1);
   elsewhere.key = {1000, 1000};
-  for (std::size_t i = 0; i < TilePipeline::kAwake + pipeline.num_tiles() + 1; ++i) (void)pipeline.apply(elsewhere);
+  pipeline.set_time(now);
+  for (std::size_t i = 0; i <= pipeline.num_tiles(); ++i) (void)pipeline.apply(elsewhere);
 }
 
 TEST_F(PipelineOfAStreet, WhatSleptComesOutAsWhatDidNot) {
@@ -243,13 +244,13 @@ TEST_F(PipelineOfAStreet, WhatSleptComesOutAsWhatDidNot) {
     pipeline.set_voted(tile);
     if (tile.key.x % 3 == 0) update(pipeline, tile.key);
   }
-  drive_on(pipeline);
+  drive_on(pipeline, TilePipeline::kAwake);
   EXPECT_EQ(pipeline.num_asleep(), tiles().size());
   for (const tile::VotedTile& tile : tiles()) {
     if (tile.key.y % 2 == 0) pipeline.set_voted(tile, true);
     if (tile.key.x % 2 == 0) update_columns(pipeline, tile.key);
   }
-  drive_on(pipeline);
+  drive_on(pipeline, 2 * TilePipeline::kAwake);
   for (const tile::VotedTile& tile : tiles()) pipeline.set_voted(tile, true);
   pipeline.settle();
   expect_as_at_once(pipeline);
@@ -258,7 +259,7 @@ TEST_F(PipelineOfAStreet, WhatSleptComesOutAsWhatDidNot) {
 TEST_F(PipelineOfAStreet, WhatWokeToBeSettledSleepsAgain) {
   TilePipeline pipeline({}, {});
   for (const tile::VotedTile& tile : tiles()) pipeline.set_voted(tile);
-  drive_on(pipeline);
+  drive_on(pipeline, TilePipeline::kAwake);
   pipeline.settle();
   EXPECT_EQ(pipeline.num_asleep(), tiles().size());
   expect_as_at_once(pipeline);
@@ -267,12 +268,10 @@ TEST_F(PipelineOfAStreet, WhatWokeToBeSettledSleepsAgain) {
 TEST_F(PipelineOfAStreet, WhatAnOldStepWokeSleepsSooner) {
   TilePipeline pipeline({}, {});
   for (const tile::VotedTile& tile : tiles()) pipeline.set_voted(tile);
-  drive_on(pipeline);
+  drive_on(pipeline, TilePipeline::kAwake);
   settle_oldest(pipeline);
   EXPECT_LT(pipeline.num_asleep(), tiles().size());
-  tile::VotedStep elsewhere = step_of(0, 0, 1);
-  elsewhere.key = {1000, 1000};
-  for (std::int64_t i = 0; i <= TilePipeline::kAwakeForOldStep + 9; ++i) (void)pipeline.apply(elsewhere);
+  drive_on(pipeline, TilePipeline::kAwake + TilePipeline::kAwakeForOldStep);
   EXPECT_EQ(pipeline.num_asleep(), tiles().size());
 }
 
@@ -285,7 +284,7 @@ TEST_F(PipelineOfAStreet, WhatSleptInAFileComesOutAsWhatDidNot) {
     pipeline.set_voted(tile);
     if (tile.key.x % 3 == 0) update(pipeline, tile.key);
   }
-  drive_on(pipeline);
+  drive_on(pipeline, TilePipeline::kAwake);
   file->flush();
   EXPECT_EQ(file->bytes_in_memory(), 0U);
   EXPECT_GT(file->bytes_in_file(), 1000 * tiles().size());
@@ -300,7 +299,7 @@ TEST_F(PipelineOfAStreet, WhatTheFileCannotBringBackIsReportedAndMayComeAgain) {
   const auto file = std::make_shared<SpillFile>(folder.path().string(), 0);
   TilePipeline pipeline({}, {}, {}, file);
   for (const tile::VotedTile& tile : tiles()) pipeline.set_voted(tile);
-  drive_on(pipeline);
+  drive_on(pipeline, TilePipeline::kAwake);
   file->flush();
   test::truncate_spill_files();
   pipeline.settle();

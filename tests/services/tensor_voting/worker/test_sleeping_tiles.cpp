@@ -9,10 +9,10 @@
 namespace curbstone::tensor_voting::worker {
 namespace {
 
-/// So many points elsewhere, one by one, that all other tiles fall asleep.
+/// Points elsewhere, one by one, until all other tiles have fallen asleep.
 void map_elsewhere(World& world) {
-  const int count = static_cast<int>(voting::VotingField::kAwake) + 1000;
-  for (int i = 0; i < count; ++i) {
+  world.run(1e-6 * static_cast<double>(voting::VotingField::kAwake));
+  for (int i = 0; i < 1000; ++i) {
     map_points_t message{};
     message.utime = world.now;
     message.epoch = 1;
@@ -24,7 +24,7 @@ void map_elsewhere(World& world) {
     message.z = {0};
     message.intensity = {0};
     world.publisher.publish("MAP_POINTS", message);
-    if (i % 1000 == 0) world.run(0.02);
+    if (i % 100 == 0) world.run(0.02);
   }
 }
 

@@ -78,14 +78,14 @@ TEST_F(CloudFeedTest, KeepsToItsRateAndBringsTheNearestFirst) {
   feed_.want({.wide = true});
   for (int x = -8; x < 8; ++x) cloud_.put(records({x, 0}, 0, 1400));
   const std::size_t first = send();
-  EXPECT_LT(first, CloudFeed::kMostBytes + 1400 * CloudFeed::kPointBytes + 100);
+  EXPECT_LT(first, CloudFeed::kMaxBytes + 1400 * CloudFeed::kPointBytes + 100);
   EXPECT_TRUE(page_.cloud.contains({0, 0}));
   EXPECT_TRUE(page_.cloud.contains({-1, 0}));
   EXPECT_FALSE(page_.cloud.contains({7, 0}));
   std::size_t bytes = first;
   int frames = 0;
   for (; page_.cloud.size() < 16 && frames < 100; ++frames) bytes += send(0.02);
-  EXPECT_LT(static_cast<double>(bytes), CloudFeed::kMostBytes + CloudFeed::kRate * 0.02 * frames + 13'000);
+  EXPECT_LT(static_cast<double>(bytes), CloudFeed::kMaxBytes + CloudFeed::kRate * 0.02 * frames + 13'000);
   EXPECT_LT(frames, 60);
   expect_same();
 }

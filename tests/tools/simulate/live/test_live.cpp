@@ -14,8 +14,10 @@
 #include <curbstone/wheels_t.hpp>
 #include <filesystem>
 #include <thread>
+#include <vector>
 
 #include "common/bus/local_bus.hpp"
+#include "common/statistics/quantile.hpp"
 #include "common/time/clock.hpp"
 #include "drivers/encoder/can/slcan_channel.hpp"
 #include "drivers/encoder/encoder_node.hpp"
@@ -151,7 +153,10 @@ TEST(LiveDrive, IsHeardByTheDriversInRealTime) {
   EXPECT_NEAR(static_cast<double>(report.packets), 2.0 / 0.001332, 2);
   EXPECT_EQ(static_cast<std::int64_t>(host.lidar.size()), report.packets) << "each packet came and was understood";
   ASSERT_FALSE(host.lidar.empty());
-  EXPECT_NEAR(static_cast<double>(host.lidar.front() - start), 0, 1000) << "stamps are those of the shots";
+  std::vector<double> late;  // us; a busy machine hears some packets late, among them the first
+  for (std::size_t i = 0; i < host.lidar.size(); ++i)
+    late.push_back(static_cast<double>(host.lidar[i] - start) - 1332.0 * static_cast<double>(i));
+  EXPECT_NEAR(quantile_or(late, 0.5, 1e9), 0, 1000) << "stamps are those of the shots";
   EXPECT_NEAR(static_cast<double>(host.lidar.back() - start), 2e6, 5000);
   EXPECT_GT(host.counters()["difop"], 0);
   ASSERT_GT(host.imu.size(), 150U) << "the driver set the IMU up";

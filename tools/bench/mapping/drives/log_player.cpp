@@ -76,9 +76,9 @@ void play_events(const EventSource& source, bool with_odometry, const MappingDri
   MessageOrder order;
   source([&](LogEvent event) {
     order.push(std::move(event));
-    while (const auto next = order.pop(false)) feed.on(*next);
+    while (const auto next = order.pop()) feed.on(*next);
   });
-  while (const auto next = order.pop(true)) feed.on(*next);
+  while (const auto next = order.pop_rest()) feed.on(*next);
   feed.finish();
 }
 

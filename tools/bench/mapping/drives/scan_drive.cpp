@@ -17,7 +17,7 @@ namespace curbstone::bench::mapping::drives {
 namespace {
 
 constexpr std::int64_t kEpoch = 1'317'000'000'000'000;  // us, of the first scan: the times in the files begin at 0
-constexpr std::int64_t kLongestSweep = 100'000;         // us; scans farther apart were thinned out
+constexpr std::int64_t kMaxSweepInterval = 100'000;     // us; scans farther apart were thinned out
 constexpr float kMinRange = 0.4F, kMaxRange = 120.0F;   // m, as in the assembler
 
 std::string bytes_of(const std::string& file) {
@@ -52,7 +52,7 @@ ScanDrive::ScanDrive(const std::string& folder, const std::string& poses_file, c
     truth_.push_back({kEpoch + std::llround(scans_.times[i] * 1e6), scans_.T_first_scan[i]});
   }
   period_ = std::llround(scans_.period() * 1e6);
-  sweep_ = std::min(period_, kLongestSweep);
+  sweep_ = std::min(period_, kMaxSweepInterval);
   vehicle.lidar = {0, 0, 0, 0, 0, 0};
   ground = -1.73;
   std::filesystem::path path = std::filesystem::path(folder).lexically_normal();

@@ -8,7 +8,7 @@
 namespace curbstone::bench::mapping::methods {
 namespace {
 
-constexpr double kFarthest = 50'000;  // m; bound of the lattice
+constexpr double kMaxCoordinate = 50'000;  // m; bound of the lattice
 
 }  // namespace
 
@@ -34,7 +34,7 @@ void LoamCloud::take(const std::vector<mapper::scan::LidarPoint>& features, cons
   for (const mapper::scan::LidarPoint& feature : features) {
     if (double{feature.position.norm()} > config_.max_range) continue;
     const Eigen::Vector3d p = T_map_base * feature.position.cast<double>();
-    if (!(p.cwiseAbs().maxCoeff() < kFarthest)) continue;
+    if (!(p.cwiseAbs().maxCoeff() < kMaxCoordinate)) continue;
     if (known.find_or_insert(mapper::voxels::voxel_key(mapper::voxels::voxel_of(p, 1 / voxel)), 0) !=
         mapper::voxels::FlatIndex::kNone)
       continue;
