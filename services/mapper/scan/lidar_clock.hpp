@@ -22,7 +22,8 @@ namespace curbstone::mapper::scan {
 ///   out of this and all later stamps;
 /// - neither within kMaxHold: the packets pass as they are.
 ///
-/// Where the next packet goes on in the old clock, only the held stamps were wrong, and are corrected. Smaller steps
+/// Where the next packet goes on in the old clock, only the held stamps were wrong, and are corrected; where it goes on
+/// in that of the held packets, too, all sensors paused, and they pass as they are. Smaller steps
 /// are held for one packet, for this alone. Without odometry nothing is held. Pure; one thread. Time is LiDAR time;
 /// which of the two channels is heard first matters from kAgree on.
 ///
@@ -74,6 +75,7 @@ class LidarClock {
   [[nodiscard]] bool is_followed_by_odometry(const Heard& now);
   void set_right();
   void hold(const lidar_points_t& packet, const Heard& now, const Handler& handler);
+  void end_pause(const lidar_points_t& packet, const Heard& now, const Handler& handler);
   [[nodiscard]] Verdict verdict() const;
   void end_step(std::int64_t correction, const Handler& handler);
 
