@@ -75,6 +75,24 @@ TEST(Log, RefusesWhatIsNoLogInOneLine) {
   }
 }
 
+TEST(Log, SaysWhatAFileIsThatIsNoLog) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "run";
+  const auto said_of = [&](const std::string& bytes) -> std::string {
+    std::ofstream(file, std::ios::binary) << bytes;
+    try {
+      LogReader reader(file);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(said_of(""), file + ": not an LCM log: it is empty");
+  EXPECT_EQ(said_of("\x1F\x8B\x08 and on"),
+            file + ": not an LCM log, but a file compressed by gzip: unpack it first (gunzip)");
+  EXPECT_EQ(said_of("\xED\xA1\xDA\x01"), "no error") << "a record that is cut off";
+}
+
 TEST(Log, RefusesToWriteWhereItCannot) {
   EXPECT_THROW(LogWriter("/nonexistent/x.lcmlog"), std::runtime_error);
 }
