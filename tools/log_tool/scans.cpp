@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -61,28 +61,48 @@ void LoggedPath::take(const map_trajectory_t& message) {
   }
 }
 
-std::optional<Pose> LoggedPath::at(std::int64_t utime) const {
+std::optional<std::pair<LoggedPath::Poses::const_iterator, LoggedPath::Poses::const_iterator>> LoggedPath::around(
+    std::int64_t utime) const {
   constexpr std::int64_t kFarthest = 1'000'000;  // us
   constexpr double kStands = 0.2;                // m: MAP_TRAJECTORY has no poses of a vehicle that stands
   const auto after = poses_.lower_bound(utime);
   if (after == poses_.end()) return std::nullopt;
-  if (after->first == utime) return after->second;
+  if (after->first == utime) return std::pair(after, after);
   if (after == poses_.begin()) return std::nullopt;
   const auto before = std::prev(after);
   if (after->first - before->first > kFarthest &&
       (after->second.translation() - before->second.translation()).norm() > kStands)
     return std::nullopt;
+  return std::pair(before, after);
+}
+
+std::optional<Pose> LoggedPath::at(std::int64_t utime) const {
+  const auto pair = around(utime);
+  if (!pair) return std::nullopt;
+  const auto& [before, after] = *pair;
+  if (before == after) return after->second;
   return interpolate(before->second, after->second,
                      static_cast<double>(utime - before->first) / static_cast<double>(after->first - before->first));
 }
 
-void write_scan_pcd(const std::vector<ScanPoint>& points, const std::string& file) {
+ScanPcdFile::ScanPcdFile(const std::string& file, std::size_t count)
+    : file_(file), out_(file, std::ios::binary), missing_(count) {
   constexpr PcdField kFields[] = {{"x"}, {"y"}, {"z"}, {"intensity"}, {"ring"}, {"t"}};
-  std::ofstream out(file, std::ios::binary);
-  out << pcd_header(kFields, points.size());
-  out.write(reinterpret_cast<const char*>(points.data()),
-            static_cast<std::streamsize>(points.size() * sizeof(ScanPoint)));
-  if (!out.flush()) throw std::runtime_error(fmt::format("{}: cannot be written", file));
+  out_ << pcd_header(kFields, count);
+  if (!out_) throw std::runtime_error(fmt::format("{}: cannot be written", file_));
+}
+
+void ScanPcdFile::add(const std::vector<ScanPoint>& points) {
+  if (points.size() > missing_) throw std::runtime_error("the log has grown: copy it first, or end its recorder");
+  missing_ -= points.size();
+  out_.write(reinterpret_cast<const char*>(points.data()),
+             static_cast<std::streamsize>(points.size() * sizeof(ScanPoint)));
+  if (!out_) throw std::runtime_error(fmt::format("{}: cannot be written", file_));
+}
+
+void ScanPcdFile::finish() {
+  if (missing_ != 0) throw std::runtime_error("the log has shrunk while it was read");
+  if (!out_.flush()) throw std::runtime_error(fmt::format("{}: cannot be written", file_));
 }
 
 }  // namespace curbstone::log_tool
