@@ -37,9 +37,9 @@ bool decode_event(const LogEvent& event, Message& message) {
   return decode(event.bytes.data(), static_cast<int>(event.bytes.size()), message);
 }
 
-/// Calls `on_scan` for the wanted scans of the log, a LogFiles or a WatchedLog.
+/// Calls `on_scan` for the wanted scans of the log, a LogFiles or a WatchedLog. Returns how many packets were left out.
 template <class Log>
-void for_each_scan(Log& log, const PcdOptions& options, const ScanCollector::OnScan& on_scan) {
+std::int64_t for_each_scan(Log& log, const PcdOptions& options, const ScanCollector::OnScan& on_scan) {
   int number = 0;
   ScanCollector collector([&](const LoggedScan& scan) {
     const int n = number++;
@@ -52,6 +52,13 @@ void for_each_scan(Log& log, const PcdOptions& options, const ScanCollector::OnS
   collector.finish();
   if (number <= options.first)
     throw std::runtime_error(fmt::format("{} has {} scans of lidar_points_t", options.channel, number));
+  return collector.left_out();
+}
+
+void say_left_out(std::int64_t packets) {
+  if (packets > 0)
+    fmt::print(stderr, "curbstone log pcd: {} packets came twice, or after their revolution, and are left out\n",
+               packets);
 }
 
 LoggedPath path_in(const PcdOptions& options) {
@@ -72,7 +79,7 @@ LoggedPath path_in(const PcdOptions& options) {
 bool write_each(const PcdOptions& options) {
   std::int64_t files = 0;
   output::WatchedLog log(options.logs, "log pcd");
-  for_each_scan(log, options, [&](const LoggedScan& scan) {
+  const std::int64_t left_out = for_each_scan(log, options, [&](const LoggedScan& scan) {
     if (files == 0) std::filesystem::create_directories(options.out);
     const auto name = std::filesystem::path(options.out) / fmt::format("scan-{}.pcd", scan.utime);
     output::NewFile file(name, options.force);
@@ -82,6 +89,7 @@ bool write_each(const PcdOptions& options) {
     file.commit();
     ++files;
   });
+  say_left_out(left_out);
   fmt::print("{}: {} scans\n", options.out, files);
   return log.damaged();
 }
@@ -113,7 +121,7 @@ struct PointCount {
 PointCount count_points(const PcdOptions& options, const LoggedPath& path) {
   PointCount count;
   LogFiles files(options.logs);
-  for_each_scan(files, options, [&](const LoggedScan& scan) {
+  (void)for_each_scan(files, options, [&](const LoggedScan& scan) {
     count.all += std::ssize(scan.points);
     count.placed += std::count_if(scan.points.begin(), scan.points.end(),
                                   [&](const ScanPoint& point) { return path.reaches(time_of(point, scan)); });
@@ -131,7 +139,7 @@ bool write_merged(const PcdOptions& options) {
   ScanPcdFile pcd(file.part(), static_cast<std::size_t>(count.placed));
   output::WatchedLog log(options.logs, "log pcd");
   std::vector<ScanPoint> placed;
-  for_each_scan(log, options, [&](const LoggedScan& scan) {
+  const std::int64_t left_out = for_each_scan(log, options, [&](const LoggedScan& scan) {
     placed.clear();
     for (ScanPoint point : scan.points) {
       const auto T_map_base = path.at(time_of(point, scan));
@@ -147,6 +155,7 @@ bool write_merged(const PcdOptions& options) {
   });
   pcd.finish();
   file.commit();
+  say_left_out(left_out);
   fmt::print("{}: {} points in map, {} without a pose left out\n", options.out, count.placed, count.all - count.placed);
   return log.damaged();
 }

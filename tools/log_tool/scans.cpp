@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <iterator>
 #include <stdexcept>
 #include <utility>
@@ -12,26 +11,26 @@
 namespace curbstone::log_tool {
 
 void ScanCollector::take(const lidar_points_t& message) {
-  if (message.revolution != scan_.revolution) finish();
-  if (scan_.points.empty()) {
-    scan_.revolution = message.revolution;
-    scan_.utime = message.utime;
-  }
-  const double late = static_cast<double>(message.utime - scan_.utime) * 1e-6;
-  for (std::size_t i = 0; i < message.x.size(); ++i) {
-    const ScanPoint point{message.x[i],
-                          message.y[i],
-                          message.z[i],
-                          static_cast<float>(message.intensity[i]),
-                          static_cast<float>(message.ring[i]),
-                          static_cast<float>(late + static_cast<double>(message.time_offset[i]))};
-    if (std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z)) scan_.points.push_back(point);
-  }
+  pass(assembler_.add(message));
 }
 
 void ScanCollector::finish() {
-  if (!scan_.points.empty()) on_scan_(scan_);
+  pass(assembler_.flush());
+}
+
+void ScanCollector::pass(const std::optional<mapper::scan::Scan>& scan) {
+  if (!scan || scan->points.empty()) return;
+  scan_.revolution = scan->number;
+  scan_.utime = scan->start;
   scan_.points.clear();
+  for (const mapper::scan::LidarPoint& p : scan->points)
+    scan_.points.push_back({p.position.x(), p.position.y(), p.position.z(), static_cast<float>(p.intensity),
+                            static_cast<float>(p.ring), p.time});
+  on_scan_(scan_);
+}
+
+std::int64_t ScanCollector::left_out() const {
+  return assembler_.counters()["dropped.late"] + assembler_.counters()["dropped.duplicate"];
 }
 
 /// An earlier epoch of a message that was overtaken is over; else the mapper's clock was set back.

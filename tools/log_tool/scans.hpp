@@ -7,6 +7,7 @@
 #include <curbstone/map_trajectory_t.hpp>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "common/geometry/geometry.hpp"
+#include "services/mapper/scan/scan_assembler.hpp"
 
 namespace curbstone::log_tool {
 
@@ -30,19 +32,27 @@ struct LoggedScan {
   std::vector<ScanPoint> points;
 };
 
-/// Assembles the packets of LIDAR_POINTS into revolutions. Non-finite points are left out.
+/// Assembles the packets of LIDAR_POINTS into revolutions, as the mapper does, but of all ranges. Non-finite points are
+/// left out.
 class ScanCollector {
  public:
   using OnScan = std::function<void(const LoggedScan&)>;
 
-  explicit ScanCollector(OnScan on_scan) : on_scan_(std::move(on_scan)) {}
+  explicit ScanCollector(OnScan on_scan)
+      : on_scan_(std::move(on_scan)),
+        assembler_({.min_range = 0, .max_range = std::numeric_limits<double>::infinity()}) {}
   void take(const lidar_points_t& message);
   /// Completes the last revolution.
   void finish();
+  /// Packets that came twice, or after their revolution.
+  [[nodiscard]] std::int64_t left_out() const;
 
  private:
+  void pass(const std::optional<mapper::scan::Scan>& scan);
+
   OnScan on_scan_;
-  LoggedScan scan_;
+  mapper::scan::ScanAssembler assembler_;
+  LoggedScan scan_;  // keeps its memory
 };
 
 /// The vehicle's trajectory from MAP_POSE and MAP_TRAJECTORY, interpolated between their poses: in the map's last

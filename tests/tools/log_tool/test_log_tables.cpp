@@ -11,6 +11,7 @@ namespace curbstone::log_tool {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 class LogTables : public LogToolTest {
@@ -104,6 +105,21 @@ TEST_F(LogTables, MergedScansStandWhereTheVehicleWas) {
   EXPECT_NEAR(values[6 + 0], 2 + 0.01, 1e-5) << "10 ms after the first pose at 1 m/s";
   EXPECT_EQ(values[6 + 1], 4);
   EXPECT_EQ(values[6 + 2], 6 + 2) << "the LiDAR's height";
+}
+
+/// Two recorders of one drive, whose logs are joined.
+TEST_F(LogTables, WhatTwoLogsHaveOfAScanIsInItOnce) {
+  const std::string log = points("one.lcmlog", true);
+  std::filesystem::copy_file(log, path("two.lcmlog"));
+  EXPECT_EQ(run({"pcd", log, "--out", path("of_one")}), 0) << err_;
+  EXPECT_THAT(err_, Not(HasSubstr("left out")));
+  EXPECT_EQ(run({"pcd", log, path("two.lcmlog"), "--out", path("of_both")}), 0) << err_;
+  EXPECT_THAT(err_, HasSubstr("6 packets came twice, or after their revolution, and are left out"));
+  for (const auto& scan : std::filesystem::directory_iterator(path("of_one")))
+    EXPECT_EQ(bytes_of(path("of_both") + "/" + scan.path().filename().string()), bytes_of(scan.path()));
+  EXPECT_EQ(run({"pcd", log, "--merged", "--out", path("one.pcd")}), 0) << err_;
+  EXPECT_EQ(run({"pcd", log, path("two.lcmlog"), "--merged", "--out", path("both.pcd")}), 0) << err_;
+  EXPECT_EQ(bytes_of(path("both.pcd")), bytes_of(path("one.pcd")));
 }
 
 TEST_F(LogTables, TheLogThatIsReadIsNotReplacedByATable) {
