@@ -7,6 +7,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "common/file_kind/file_kind.hpp"
+
 namespace curbstone {
 
 namespace {
@@ -17,6 +19,10 @@ constexpr std::int64_t kMaxTime = std::numeric_limits<std::int64_t>::max() / 4;
 }  // namespace
 
 LogReader::LogReader(const std::string& file) : file_(file), finder_(file_) {
+  if (file_.size() == 0) throw std::runtime_error(fmt::format("{}: not an LCM log: it is empty", file));
+  // At once: the search for a record goes through all gigabytes of a bag.
+  const std::string_view kind = finder_.is_sync_at(0) ? "" : file_kind(file_.at(0, kFileKindBytes));
+  if (!kind.empty()) throw std::runtime_error(fmt::format("{}: not an LCM log, but {}", file, kind));
   if (!finder_.cut_off_at(0) && !finder_.first_from(0))
     throw std::runtime_error(fmt::format("{}: not an LCM log (no record of lcm-logger is in it)", file));
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <iterator>
 #include <utility>
 
 namespace curbstone {
@@ -18,7 +19,7 @@ void MessageOrder::push(LogEvent event) {
   advance(event.log_utime);
   const std::int64_t time = std::clamp(message_time(event), std::int64_t{0}, kLatest);
   const std::int64_t key = key_of(event.channel, time);
-  waiting_.push({key, sequence_++, elapsed_, std::move(event)});
+  waiting_.push({key, sequence_++, elapsed_, key + step_of_most(), std::move(event)});
 }
 
 std::optional<LogEvent> MessageOrder::pop() {
@@ -30,7 +31,7 @@ std::optional<LogEvent> MessageOrder::pop() {
 std::optional<LogEvent> MessageOrder::pop_rest() {
   if (waiting_.empty()) return std::nullopt;
   LogEvent event = waiting_.top().event;
-  time_ = waiting_.top().key;
+  time_ = waiting_.top().time;
   waiting_.pop();
   return event;
 }
@@ -67,6 +68,15 @@ std::int64_t MessageOrder::shared_step(std::int64_t step) const {
     if (std::abs(step - channel.step) < std::abs(step - nearest)) nearest = channel.step;
   }
   return std::abs(step - nearest) <= window_us_ ? nearest : step;
+}
+
+/// us: the step ahead that more than half of the channels have made; 0 if there is none.
+std::int64_t MessageOrder::step_of_most() const {
+  std::vector<std::int64_t> steps;
+  for (const auto& [name, channel] : channels_) steps.push_back(channel.step);
+  const auto middle = steps.begin() + (std::ssize(steps) - 1) / 2;
+  std::nth_element(steps.begin(), middle, steps.end());
+  return std::max(*middle, std::int64_t{0});
 }
 
 /// Advances the log's time. A forward step counts for at most the window. After a step back by more than the window

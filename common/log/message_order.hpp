@@ -45,7 +45,8 @@ class MessageOrder {
   [[nodiscard]] std::optional<LogEvent> pop();
   /// The next event, at the end of the log.
   [[nodiscard]] std::optional<LogEvent> pop_rest();
-  /// us: the message time of the last event that was popped, without the steps of its channel's clock.
+  /// us: the message time of the last event that was popped, without the steps of its channel's clock, but with those
+  /// ahead that most channels made: after a gap in the log, or where the clock of all was set.
   [[nodiscard]] std::int64_t time() const { return time_; }
 
  private:
@@ -53,6 +54,7 @@ class MessageOrder {
     std::int64_t key;
     std::uint64_t sequence;
     std::int64_t elapsed;
+    std::int64_t time;  // us, for time()
     LogEvent event;
     bool operator<(const Waiting& other) const {  // the earliest is on top
       return key != other.key ? key > other.key : sequence > other.sequence;
@@ -69,6 +71,7 @@ class MessageOrder {
   [[nodiscard]] std::int64_t key_of(const std::string& name, std::int64_t time);
   [[nodiscard]] std::int64_t first_step(std::int64_t ahead) const;
   [[nodiscard]] std::int64_t shared_step(std::int64_t step) const;
+  [[nodiscard]] std::int64_t step_of_most() const;
   void advance(std::int64_t log_utime);
 
   std::int64_t window_us_;

@@ -91,6 +91,10 @@ std::optional<LogRecord> RecordFinder::first_from(std::int64_t from) {
   return std::nullopt;
 }
 
+bool RecordFinder::is_sync_at(std::int64_t at) {
+  return is_sync(file_.at(at, kSync.size()));
+}
+
 bool RecordFinder::cut_off_at(std::int64_t at) {
   const auto bytes = file_.at(at, kSync.size());
   if (bytes.empty() || !std::equal(bytes.begin(), bytes.end(), kSync.begin())) return false;

@@ -41,6 +41,8 @@ class RecordFinder {
   [[nodiscard]] std::optional<LogRecord> record_at(std::int64_t at, const std::optional<LogRecord>& previous = {});
   /// The first record at or after `from`.
   [[nodiscard]] std::optional<LogRecord> first_from(std::int64_t from);
+  /// Whether what each record begins with is at `at`.
+  [[nodiscard]] bool is_sync_at(std::int64_t at);
   /// Whether a record begins at `at` and is cut off by the end of the file.
   [[nodiscard]] bool cut_off_at(std::int64_t at);
 

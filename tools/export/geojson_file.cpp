@@ -2,23 +2,21 @@
 
 #include <fmt/format.h>
 
+#include "tools/export/geo/geojson_line.hpp"
+
 namespace curbstone::map_export {
 
 namespace {
 
 std::string feature(const semantic_map::tile::CurbLine& line, const CurbView& view, const geo::TangentPlane& plane) {
   const CurbSummary summary = summarise(line, view);
-  std::string coordinates;
-  for (const semantic_map::tile::CurbVertex& v : line.points) {
-    const geo::GeoPoint p = plane.to_wgs84({double{v.x}, double{v.y}, double{v.z}});
-    if (!coordinates.empty()) coordinates += ",";
-    coordinates += fmt::format("[{:.10f},{:.10f},{:.4f}]", p.longitude, p.latitude, p.altitude);
-  }
+  std::vector<Eigen::Vector3d> points;
+  for (const semantic_map::tile::CurbVertex& v : line.points) points.emplace_back(v.x, v.y, v.z);
   return fmt::format(
       R"({{"type":"Feature","id":{},"properties":{{"id":{},"subtype":"{}","height":{:.3f},"high_side":"{}","dropped":{},)"
-      R"("inferred":{},"confidence":{:.2f},"rise":"{}"}},"geometry":{{"type":"LineString","coordinates":[{}]}}}})",
+      R"("inferred":{},"confidence":{:.2f},"rise":"{}"}},"geometry":{}}})",
       line.id, line.id, summary.is_low ? "low" : "high", summary.height, summary.high_side_left ? "left" : "right",
-      line.dropped, line.inferred, double{line.confidence}, rise_name(summary.rise), coordinates);
+      line.dropped, line.inferred, double{line.confidence}, rise_name(summary.rise), geo::geojson_line(points, plane));
 }
 
 }  // namespace

@@ -8,9 +8,8 @@
 
 namespace curbstone::map_export {
 
-/// GeoJSON (RFC 7946): one LineString per curb, longitude, latitude (1e-10 deg: 0.01 mm) and m above the ellipsoid,
-/// with id, subtype, height, high_side, dropped, confidence and rise (up, down or unknown, from the driven path). A map
-/// across the 180th meridian is not split there.
+/// GeoJSON (RFC 7946): one line (geo::geojson_line) per curb, with id, subtype, height, high_side, dropped, confidence
+/// and rise (up, down or unknown, from the driven path).
 [[nodiscard]] std::string curbs_geojson(const std::vector<semantic_map::tile::CurbLine>& curbs, const CurbView& view,
                                         const geo::TangentPlane& plane);
 

@@ -7,6 +7,7 @@
 #include <cstddef>
 
 #include "tools/export/curb_export.hpp"
+#include "tools/export/geo/geojson_line.hpp"
 #include "tools/export/geo/osm_node.hpp"
 
 namespace curbstone::map_export {
@@ -135,17 +136,13 @@ std::string markings_osm(const std::vector<MarkingLine>& lines, const std::optio
 std::string markings_geojson(const std::vector<MarkingLine>& lines, const geo::TangentPlane& plane) {
   std::string features;
   for (const MarkingLine& line : lines) {
-    std::string coordinates;
-    for (const MarkingVertex& v : line.points) {
-      const geo::GeoPoint p = plane.to_wgs84({double{v.x}, double{v.y}, double{v.z}});
-      coordinates += fmt::format("{}[{:.10f},{:.10f},{:.4f}]", coordinates.empty() ? "" : ",", p.longitude, p.latitude,
-                                 p.altitude);
-    }
+    std::vector<Eigen::Vector3d> points;
+    for (const MarkingVertex& v : line.points) points.emplace_back(v.x, v.y, v.z);
     features += fmt::format(
         R"({}{{"type":"Feature","id":{},"properties":{{"id":{},"type":"{}","width":{:.3f},"dash":{:.3f},"gap":{:.3f},)"
-        R"("confidence":{:.2f},"dashes":{}}},"geometry":{{"type":"LineString","coordinates":[{}]}}}})",
+        R"("confidence":{:.2f},"dashes":{}}},"geometry":{}}})",
         features.empty() ? "" : ",\n", line.id, line.id, marking_name(line.type), double{line.width}, double{line.dash},
-        double{line.gap}, double{line.confidence}, dashes_of(line), coordinates);
+        double{line.gap}, double{line.confidence}, dashes_of(line), geo::geojson_line(points, plane));
   }
   return "{\"type\":\"FeatureCollection\",\"features\":[\n" + features + "\n]}\n";
 }

@@ -23,7 +23,7 @@ namespace curbstone::map_export {
 [[nodiscard]] std::string markings_osm(const std::vector<semantic_map::tile::MarkingLine>& lines,
                                        const std::optional<geo::TangentPlane>& plane);
 
-/// GeoJSON (RFC 7946): one LineString per marking, along its centre line, with id, type, width, dash, gap and
+/// GeoJSON (RFC 7946): one line (geo::geojson_line) per marking, along its centre, with id, type, width, dash, gap and
 /// confidence. For a dashed one, `dashes` has both ends of each painted piece in m along the line.
 [[nodiscard]] std::string markings_geojson(const std::vector<semantic_map::tile::MarkingLine>& lines,
                                            const geo::TangentPlane& plane);

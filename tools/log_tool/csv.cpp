@@ -8,6 +8,7 @@
 #include "common/config/command_line.hpp"
 #include "tools/log_tool/channel_table.hpp"
 #include "tools/log_tool/commands.hpp"
+#include "tools/output/inputs.hpp"
 #include "tools/output/new_file.hpp"
 #include "tools/output/watched_log.hpp"
 
@@ -56,6 +57,7 @@ int run_csv(int argc, char** argv) {
   line.flag("--force", options.force, "Replace the file if it is there");
   if (const auto status = line.read(argc, argv)) return *status;
   if (options.out.empty()) return write_table(options, std::cout) ? 1 : 0;
+  output::refuse_to_overwrite(LogFiles(options.logs).names(), options.out);
   output::NewFile file(options.out, options.force);
   std::ofstream out(file.part(), std::ios::binary);
   if (!out) throw std::runtime_error(fmt::format("{}: cannot be written", options.out));

@@ -39,6 +39,8 @@ void print_summary(const LogSummary& summary, const LogFiles& files) {
   fmt::print("\nconfiguration: {}\n", summary.configs().empty() ? "none is recorded" : "recorded of");
   for (const std::string& config : summary.configs()) fmt::print("  {}\n", config);
   for (const std::string& gap : summary.gaps()) fmt::print("nothing recorded: {}\n", gap);
+  if (const std::string back = summary.back(); !back.empty())
+    fmt::print("times go back by {}: two drives in one log, or a clock that was set\n", back);
   for (const std::string& note : files.notes()) fmt::print("{}\n", note);
 }
 

@@ -1,10 +1,12 @@
 #include "tools/log_tool/log_summary.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <curbstone/service_config_t.hpp>
 #include <iterator>
+#include <utility>
 
 #include "common/bus/decode.hpp"
 #include "common/bytes/big_endian.hpp"
@@ -35,11 +37,12 @@ void LogSummary::take(const LogEvent& event) {
   cover(utime);
 
   ChannelSummary& channel = channels_[event.channel];
-  if (channel.messages++ == 0) channel.first_utime = channel.last_utime = utime;
+  if (channel.messages++ == 0) channel.first_utime = channel.last_utime = channel.previous_utime = utime;
   channel.first_utime = std::min(channel.first_utime, utime);
   channel.bytes += static_cast<std::int64_t>(event.bytes.size());
   channel.longest_gap = std::max(channel.longest_gap, utime - channel.last_utime);
   channel.last_utime = std::max(channel.last_utime, utime);
+  channel.farthest_back = std::max(channel.farthest_back, std::exchange(channel.previous_utime, utime) - utime);
   if (event.bytes.size() >= 8 && channel.fingerprints.size() < ChannelSummary::kMaxFingerprints)
     channel.fingerprints.insert(static_cast<std::int64_t>(read_big_endian<std::uint64_t>(event.bytes)));
 
@@ -63,6 +66,17 @@ void LogSummary::cover(std::int64_t utime) {
   } else if (spans_.size() < kMaxSpans) {
     spans_.emplace_hint(after, utime, utime);
   }
+}
+
+std::string LogSummary::back() const {
+  std::int64_t farthest = 0;
+  std::vector<std::string> names;
+  for (const auto& [name, channel] : channels_) {
+    if (channel.farthest_back < kGap) continue;
+    farthest = std::max(farthest, channel.farthest_back);
+    names.push_back(name);
+  }
+  return names.empty() ? "" : fmt::format("{:.1f} s ({})", to_seconds(farthest), fmt::join(names, ", "));
 }
 
 std::vector<std::string> LogSummary::gaps() const {

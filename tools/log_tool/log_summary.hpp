@@ -16,7 +16,9 @@ struct ChannelSummary {
   std::int64_t bytes = 0;
   std::int64_t first_utime = 0;  ///< us, of the records
   std::int64_t last_utime = 0;
+  std::int64_t previous_utime = 0;      ///< us, of the newest record
   std::int64_t longest_gap = 0;         ///< us between two records
+  std::int64_t farthest_back = 0;       ///< us from one record to the next
   std::set<std::int64_t> fingerprints;  ///< at most kMaxFingerprints
   static constexpr std::size_t kMaxFingerprints = 5;
 
@@ -34,6 +36,8 @@ class LogSummary {
   [[nodiscard]] std::int64_t messages() const { return messages_; }
   /// Where no channel was recorded for a second or more, whatever the order of the records: "0.5 .. 12.1 s".
   [[nodiscard]] std::vector<std::string> gaps() const;
+  /// Where the records of a channel go back in time by a second or more: "12.0 s (IMU, WHEELS)". Empty if nowhere.
+  [[nodiscard]] std::string back() const;
   /// "ekf on ugv, version 0.2.0", for each process that published its configuration.
   [[nodiscard]] const std::set<std::string>& configs() const { return configs_; }
 

@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -12,26 +11,26 @@
 namespace curbstone::log_tool {
 
 void ScanCollector::take(const lidar_points_t& message) {
-  if (message.revolution != scan_.revolution) finish();
-  if (scan_.points.empty()) {
-    scan_.revolution = message.revolution;
-    scan_.utime = message.utime;
-  }
-  const double late = static_cast<double>(message.utime - scan_.utime) * 1e-6;
-  for (std::size_t i = 0; i < message.x.size(); ++i) {
-    const ScanPoint point{message.x[i],
-                          message.y[i],
-                          message.z[i],
-                          static_cast<float>(message.intensity[i]),
-                          static_cast<float>(message.ring[i]),
-                          static_cast<float>(late + static_cast<double>(message.time_offset[i]))};
-    if (std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z)) scan_.points.push_back(point);
-  }
+  pass(assembler_.add(message));
 }
 
 void ScanCollector::finish() {
-  if (!scan_.points.empty()) on_scan_(scan_);
+  pass(assembler_.flush());
+}
+
+void ScanCollector::pass(const std::optional<mapper::scan::Scan>& scan) {
+  if (!scan || scan->points.empty()) return;
+  scan_.revolution = scan->number;
+  scan_.utime = scan->start;
   scan_.points.clear();
+  for (const mapper::scan::LidarPoint& p : scan->points)
+    scan_.points.push_back({p.position.x(), p.position.y(), p.position.z(), static_cast<float>(p.intensity),
+                            static_cast<float>(p.ring), p.time});
+  on_scan_(scan_);
+}
+
+std::int64_t ScanCollector::left_out() const {
+  return assembler_.counters()["dropped.late"] + assembler_.counters()["dropped.duplicate"];
 }
 
 /// An earlier epoch of a message that was overtaken is over; else the mapper's clock was set back.
@@ -61,28 +60,48 @@ void LoggedPath::take(const map_trajectory_t& message) {
   }
 }
 
-std::optional<Pose> LoggedPath::at(std::int64_t utime) const {
+std::optional<std::pair<LoggedPath::Poses::const_iterator, LoggedPath::Poses::const_iterator>> LoggedPath::around(
+    std::int64_t utime) const {
   constexpr std::int64_t kMaxTimeDifference = 1'000'000;  // us
   constexpr double kStands = 0.2;                         // m: MAP_TRAJECTORY has no poses of a vehicle that stands
   const auto after = poses_.lower_bound(utime);
   if (after == poses_.end()) return std::nullopt;
-  if (after->first == utime) return after->second;
+  if (after->first == utime) return std::pair(after, after);
   if (after == poses_.begin()) return std::nullopt;
   const auto before = std::prev(after);
   if (after->first - before->first > kMaxTimeDifference &&
       (after->second.translation() - before->second.translation()).norm() > kStands)
     return std::nullopt;
+  return std::pair(before, after);
+}
+
+std::optional<Pose> LoggedPath::at(std::int64_t utime) const {
+  const auto pair = around(utime);
+  if (!pair) return std::nullopt;
+  const auto& [before, after] = *pair;
+  if (before == after) return after->second;
   return interpolate(before->second, after->second,
                      static_cast<double>(utime - before->first) / static_cast<double>(after->first - before->first));
 }
 
-void write_scan_pcd(const std::vector<ScanPoint>& points, const std::string& file) {
+ScanPcdFile::ScanPcdFile(const std::string& file, std::size_t count)
+    : file_(file), out_(file, std::ios::binary), missing_(count) {
   constexpr PcdField kFields[] = {{"x"}, {"y"}, {"z"}, {"intensity"}, {"ring"}, {"t"}};
-  std::ofstream out(file, std::ios::binary);
-  out << pcd_header(kFields, points.size());
-  out.write(reinterpret_cast<const char*>(points.data()),
-            static_cast<std::streamsize>(points.size() * sizeof(ScanPoint)));
-  if (!out.flush()) throw std::runtime_error(fmt::format("{}: cannot be written", file));
+  out_ << pcd_header(kFields, count);
+  if (!out_) throw std::runtime_error(fmt::format("{}: cannot be written", file_));
+}
+
+void ScanPcdFile::add(const std::vector<ScanPoint>& points) {
+  if (points.size() > missing_) throw std::runtime_error("the log has grown: copy it first, or end its recorder");
+  missing_ -= points.size();
+  out_.write(reinterpret_cast<const char*>(points.data()),
+             static_cast<std::streamsize>(points.size() * sizeof(ScanPoint)));
+  if (!out_) throw std::runtime_error(fmt::format("{}: cannot be written", file_));
+}
+
+void ScanPcdFile::finish() {
+  if (missing_ != 0) throw std::runtime_error("the log has shrunk while it was read");
+  if (!out_.flush()) throw std::runtime_error(fmt::format("{}: cannot be written", file_));
 }
 
 }  // namespace curbstone::log_tool

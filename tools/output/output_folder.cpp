@@ -13,6 +13,8 @@ namespace fs = std::filesystem;
 
 OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
   std::error_code error;
+  for (fs::path made = folder_; !made.empty() && !fs::exists(made, error); made = made.parent_path())
+    made_.push_back(made);
   fs::create_directories(folder_, error);
   if (!fs::is_directory(folder_))
     throw std::runtime_error(fmt::format("{}: cannot be made a folder", folder_.string()));
@@ -21,6 +23,7 @@ OutputFolder::OutputFolder(fs::path folder) : folder_(std::move(folder)) {
 OutputFolder::~OutputFolder() {
   std::error_code ignored;
   for (const auto& [part, name] : parts_) fs::remove(part, ignored);
+  for (const fs::path& folder : made_) fs::remove(folder, ignored);  // only if it is empty
 }
 
 void OutputFolder::add(const std::string& name, const std::function<void(const std::string& path)>& write) {
@@ -56,6 +59,7 @@ std::vector<std::string> OutputFolder::commit() {
     names.push_back(name);
   }
   parts_.clear();
+  made_.clear();
   return names;
 }
 

@@ -10,7 +10,8 @@
 namespace curbstone::output {
 
 /// A folder that a command writes into. Files get their final names when all are complete, so no partial output
-/// remains. All functions throw std::runtime_error with a one-line message that names the file.
+/// remains, nor a folder that was made for it. All functions throw std::runtime_error with a one-line message that
+/// names the file.
 class OutputFolder {
  public:
   explicit OutputFolder(std::filesystem::path folder);
@@ -31,6 +32,7 @@ class OutputFolder {
   std::filesystem::path folder_;
   std::vector<std::pair<std::filesystem::path, std::string>> parts_;  ///< path written to, name
   std::vector<std::string> left_out_;
+  std::vector<std::filesystem::path> made_;  ///< folders that were not there before, the innermost first
 };
 
 }  // namespace curbstone::output

@@ -104,13 +104,15 @@ void LidarClock::set_right() {
 
 /// Takes a packet after the step, its first one included.
 void LidarClock::hold(const lidar_points_t& packet, const Heard& now, const Handler& handler) {
+  const bool fits_held = !held_.empty() && std::abs(now.utime - expected_after(step_->newest, now)) <= step_->tolerance;
   if (std::abs(now.utime - expected_after(*last_, now)) < step_->tolerance) {  // the old clock goes on
+    if (fits_held) return end_pause(packet, now, handler);
     counters_.add("lidar.stamps_corrected", static_cast<std::int64_t>(held_.size()));
     end_step(correction_ - step_->by, handler);
     follow(now);
     return pass(packet, correction_, handler);
   }
-  if (!held_.empty() && std::abs(now.utime - expected_after(step_->newest, now)) > step_->tolerance) {
+  if (!held_.empty() && !fits_held) {
     counters_.add("refused.lidar_stamp");
     if (++step_->misfits >= kMaxMisfits) end_step(correction_, handler);
     return;
@@ -131,6 +133,14 @@ void LidarClock::hold(const lidar_points_t& packet, const Heard& now, const Hand
       break;
   }
   end_step(correction_, handler);
+}
+
+/// The old clock and that of the held packets are the same: the driver started again after a pause of all sensors, and
+/// odometry, which alone tells how long it was, came later.
+void LidarClock::end_pause(const lidar_points_t& packet, const Heard& now, const Handler& handler) {
+  end_step(correction_, handler);
+  follow(now);
+  pass(packet, correction_, handler);
 }
 
 LidarClock::Verdict LidarClock::verdict() const {

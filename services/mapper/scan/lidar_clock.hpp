@@ -22,9 +22,10 @@ namespace curbstone::mapper::scan {
 ///   subtracted from this and all later stamps.
 /// - Neither within kMaxHold: the packets pass unchanged.
 ///
-/// If the next packet continues in the old clock, only the held stamps were wrong, and they are corrected. A packet
-/// with a smaller step is held until the next packet, for this check alone. Without odometry nothing is held. Pure; one
-/// thread. Time is LiDAR time; which of the two channels is heard first matters from kAgree on.
+/// If the next packet continues in the old clock, only the held stamps were wrong, and they are corrected. If it also
+/// continues in the clock of the held packets, all sensors paused, and they pass unchanged. A packet with a smaller
+/// step is held until the next packet, for this check alone. Without odometry nothing is held. Pure; one thread. Time
+/// is LiDAR time; which of the two channels is heard first matters from kAgree on.
 ///
 /// Counters: lidar.clock_corrections (steps taken out), lidar.stamps_corrected (packets of which only the stamp was
 /// wrong), refused.lidar_stamp (packets after a step that fit neither clock).
@@ -74,6 +75,7 @@ class LidarClock {
   [[nodiscard]] bool is_followed_by_odometry(const Heard& now);
   void set_right();
   void hold(const lidar_points_t& packet, const Heard& now, const Handler& handler);
+  void end_pause(const lidar_points_t& packet, const Heard& now, const Handler& handler);
   [[nodiscard]] Verdict verdict() const;
   void end_step(std::int64_t correction, const Handler& handler);
 

@@ -10,7 +10,9 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 
+#include "common/file_kind/file_kind.hpp"
 #include "services/semantic_map/store/map_store.hpp"
 
 /// @file
@@ -29,7 +31,11 @@ auto for_file(const std::string& path, Work work) {
   } catch (const SQLite::Exception& error) {
     std::string hint;
     const int code = error.getErrorCode() & 0xff;  // without what extends it
-    if (code == SQLITE_NOTADB) throw WrongMapFile(fmt::format("{}: {} (not a curbstone map)", path, error.what()));
+    if (code == SQLITE_NOTADB) {
+      const std::string_view kind = file_kind(path);
+      throw WrongMapFile(kind.empty() ? fmt::format("{}: {} (not a curbstone map)", path, error.what())
+                                      : fmt::format("{}: not a curbstone map, but {}", path, kind));
+    }
     if (code == SQLITE_CORRUPT) hint = " (damaged: move it away, or mend it with 'sqlite3 FILE .recover')";
     if (code == SQLITE_FULL) hint = " (no room on the disk)";
     throw MapStoreError(fmt::format("{}: {}{}", path, error.what(), hint));

@@ -48,6 +48,9 @@ MapReader::MapReader(const std::string& path) : path_(path) {
   if (std::filesystem::is_directory(path)) throw MapStoreError(fmt::format("{}: is a folder, not a map", path));
   if (access(path.c_str(), R_OK) != 0)
     throw MapStoreError(fmt::format("{}: cannot be read: {}", path, std::generic_category().message(errno)));
+  std::error_code has_no_size;  // a device
+  if (std::filesystem::file_size(path, has_no_size) == 0)
+    throw WrongMapFile(fmt::format("{}: not a curbstone map: it is empty", path));
   for_file(path, [&] {
     db_ = std::make_unique<SQLite::Database>(path, SQLite::OPEN_READONLY, kBusyTimeout);
     try {

@@ -7,6 +7,7 @@ namespace curbstone::log_tool {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 using LogCommands = LogToolTest;
 
@@ -127,6 +128,15 @@ TEST_F(LogCommands, InfoFindsNoGapWhereRecordsAreOutOfOrder) {
   EXPECT_EQ(run({"info", path("mixed.lcmlog")}), 0) << err_;
   EXPECT_THAT(out_, HasSubstr("nothing recorded: 5.9 .. 9.0 s"));
   EXPECT_EQ(out_.find("nothing recorded"), out_.rfind("nothing recorded")) << out_;
+}
+
+TEST_F(LogCommands, InfoSaysWhereTimesGoBack) {
+  const std::string whole = drive("whole.lcmlog");
+  EXPECT_EQ(run({"info", whole}), 0) << err_;
+  EXPECT_THAT(out_, Not(HasSubstr("go back")));
+  std::ofstream(path("twice.lcmlog"), std::ios::binary) << bytes_of(whole) << bytes_of(whole);  // cat
+  EXPECT_EQ(run({"info", path("twice.lcmlog")}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("times go back by 9.9 s (IMU, WHEELS): two drives in one log, or a clock that was set"));
 }
 
 TEST_F(LogCommands, ATimeThatIsNoneIsAClearError) {

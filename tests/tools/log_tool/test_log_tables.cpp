@@ -11,6 +11,7 @@ namespace curbstone::log_tool {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 class LogTables : public LogToolTest {
@@ -95,6 +96,7 @@ TEST_F(LogTables, EachScanIsAPointCloud) {
 TEST_F(LogTables, MergedScansStandWhereTheVehicleWas) {
   EXPECT_EQ(run({"pcd", points("bare.lcmlog", false), "--merged", "--out", path("all.pcd")}), 1);
   EXPECT_THAT(err_, HasSubstr("no MAP_POSE"));
+  EXPECT_FALSE(std::filesystem::exists(path("all.pcd.part")));
   const std::string log = points("poses.lcmlog", true);
   EXPECT_EQ(run({"pcd", log, "--merged", "--lidar", "0,0,2,0,0,0", "--out", path("all.pcd")}), 0) << err_;
   EXPECT_THAT(out_, HasSubstr("9 points in map, 3 without a pose left out")) << "behind the last pose";
@@ -103,6 +105,31 @@ TEST_F(LogTables, MergedScansStandWhereTheVehicleWas) {
   EXPECT_NEAR(values[6 + 0], 2 + 0.01, 1e-5) << "10 ms after the first pose at 1 m/s";
   EXPECT_EQ(values[6 + 1], 4);
   EXPECT_EQ(values[6 + 2], 6 + 2) << "the LiDAR's height";
+}
+
+/// Two recorders of one drive, whose logs are joined.
+TEST_F(LogTables, WhatTwoLogsHaveOfAScanIsInItOnce) {
+  const std::string log = points("one.lcmlog", true);
+  std::filesystem::copy_file(log, path("two.lcmlog"));
+  EXPECT_EQ(run({"pcd", log, "--out", path("of_one")}), 0) << err_;
+  EXPECT_THAT(err_, Not(HasSubstr("left out")));
+  EXPECT_EQ(run({"pcd", log, path("two.lcmlog"), "--out", path("of_both")}), 0) << err_;
+  EXPECT_THAT(err_, HasSubstr("6 packets came twice, or after their revolution, and are left out"));
+  for (const auto& scan : std::filesystem::directory_iterator(path("of_one")))
+    EXPECT_EQ(bytes_of(path("of_both") + "/" + scan.path().filename().string()), bytes_of(scan.path()));
+  EXPECT_EQ(run({"pcd", log, "--merged", "--out", path("one.pcd")}), 0) << err_;
+  EXPECT_EQ(run({"pcd", log, path("two.lcmlog"), "--merged", "--out", path("both.pcd")}), 0) << err_;
+  EXPECT_EQ(bytes_of(path("both.pcd")), bytes_of(path("one.pcd")));
+}
+
+TEST_F(LogTables, TheLogThatIsReadIsNotReplacedByATable) {
+  const std::string log = points("poses.lcmlog", true);
+  const std::string bytes = bytes_of(log);
+  EXPECT_EQ(run({"pcd", log, "--merged", "--out", log, "--force"}), 1);
+  EXPECT_THAT(err_, HasSubstr("is read from"));
+  EXPECT_EQ(run({"csv", log, "--channel", "MAP_POSE", "--out", log, "--force"}), 1);
+  EXPECT_THAT(err_, HasSubstr("is read from"));
+  EXPECT_EQ(bytes_of(log), bytes);
 }
 
 /// A closed loop moves the drive so far; MAP_POSE of before is void.

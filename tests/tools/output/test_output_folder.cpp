@@ -40,6 +40,22 @@ TEST_F(OutputFolderTest, IfOneFileFailsNoneIsThere) {
   EXPECT_TRUE(names().empty());
 }
 
+TEST_F(OutputFolderTest, OfAFailureNoFolderIsLeft) {
+  std::filesystem::create_directory(folder_ / "there");
+  { OutputFolder out(folder_ / "there"); }
+  {
+    OutputFolder out(folder_ / "there/a/b");
+    EXPECT_THROW(out.add("c.txt", [](const std::string&) { throw std::runtime_error("no"); }), std::runtime_error);
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "there"));
+  {
+    OutputFolder out(folder_ / "there/a/b");
+    out.add_bytes("c.txt", "c");
+    out.commit();
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "there/a/b/c.txt"));
+}
+
 TEST_F(OutputFolderTest, AFileOfAnEarlierExportThatWouldMisleadGoes) {
   std::ofstream(folder_ / "map.prj") << "old";
   OutputFolder out(folder_.path());

@@ -70,9 +70,9 @@ std::int32_t drive_with(const TrueDrive& drive, const catalogue::Fault& fault, r
   const auto deliver = [&](LogEvent event) {
     const std::int64_t time = message_time(event);
     if (time <= 0 || time > kLatest) return;
-    // The nodes are told the time by the host's clock, as the services are.
-    const std::int64_t set_by = t >= fault.from ? fault.clock_set_by : 0;
-    vehicle.deliver(order.time() + set_by, std::move(event.channel), std::move(event.bytes));
+    // The nodes are told the time by the host's clock, as the services are. order.time() follows one that is set ahead.
+    const std::int64_t set_back = t >= fault.from ? std::min<std::int64_t>(fault.clock_set_by, 0) : 0;
+    vehicle.deliver(order.time() + set_back, std::move(event.channel), std::move(event.bytes));
   };
   while (auto event = log.next()) {
     if (!is_sensor(event->channel)) continue;

@@ -198,6 +198,25 @@ TEST(LidarClock, ADriverThatStartsAgainWithTheClockSetBackIsCorrectedByOdometry)
   EXPECT_LE(std::abs(host.offs.back()), kEkf + kInterval);
 }
 
+/// As after a power dip, or in a log of two drives.
+TEST(LidarClock, AfterAPauseOfAllOdometryMayComeLaterThanADriverThatStartsAgain) {
+  for (const double late : {0.0, 0.3, 0.8}) {
+    SCOPED_TRACE(late);
+    Host host;
+    host.drive(3);
+    host.pause(78);
+    host.number = 0;
+    host.is_odometry_silent = true;
+    host.drive(late);
+    host.is_odometry_silent = false;
+    host.drive(3);
+    EXPECT_TRUE(host.is_all_out());
+    EXPECT_EQ(host.worst(), 0);
+    EXPECT_EQ(host.clock.counters()["lidar.stamps_corrected"], 0);
+    EXPECT_THAT(host.faults(), IsEmpty());
+  }
+}
+
 TEST(LidarClock, APacketWhoseStampAloneIsDamagedIsMended) {
   Host host;
   host.drive(3);

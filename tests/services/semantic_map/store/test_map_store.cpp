@@ -158,6 +158,13 @@ TEST_F(MapStoreTest, LeavesForeignAndDamagedFilesUntouched) {
   EXPECT_THAT(error_of([&] { MapStore store(path_); }), ::testing::HasSubstr("not a curbstone map"));
   EXPECT_THAT(error_of([&] { MapReader map(path_); }), ::testing::HasSubstr("not a curbstone map"));
   EXPECT_EQ(bytes(path_), text);
+  const std::string log = "\xED\xA1\xDA\x01, and on";
+  write_file(path_, log);
+  EXPECT_THAT(error_of([&] { MapStore store(path_); }), ::testing::HasSubstr("not a curbstone map, but an LCM log"));
+  EXPECT_THAT(error_of([&] { MapReader map(path_); }), ::testing::HasSubstr("not a curbstone map, but an LCM log"));
+  EXPECT_EQ(bytes(path_), log);
+  write_file(path_, "");
+  EXPECT_THAT(error_of([&] { MapReader map(path_); }), ::testing::HasSubstr("not a curbstone map: it is empty"));
 
   fs::remove(path_);
   sqlite3* db = nullptr;
