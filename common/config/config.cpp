@@ -335,8 +335,10 @@ std::string dump_config(const std::string& section, AnyConfig& config) {
 }
 
 std::string config_hash(const std::string& section, AnyConfig& config) {
+  YAML::Emitter values;  // without the comments: other words are no other settings
+  values << YAML::Load(dump_config(section, config));
   std::uint64_t hash = 0xcbf29ce484222325ULL;
-  for (const char c : dump_config(section, config)) {
+  for (const char c : std::string_view(values.c_str())) {
     hash = (hash ^ static_cast<std::uint8_t>(c)) * 0x100000001b3ULL;
   }
   return fmt::format("{:016x}", hash);

@@ -108,7 +108,7 @@ void set_config_value(std::string_view assignment, AnyConfig& config);
 void set_section_values(const std::string& section, const std::vector<std::string>& assignments, AnyConfig& config);
 /// The effective configuration as commented YAML, which load_config() can read.
 [[nodiscard]] std::string dump_config(const std::string& section, AnyConfig& config);
-/// 16 hexadecimal digits over the dump (FNV-1a, 64 bit).
+/// 16 hexadecimal digits over the keys and values of the dump, without its comments (FNV-1a, 64 bit).
 [[nodiscard]] std::string config_hash(const std::string& section, AnyConfig& config);
 
 /// The configuration of one process where several share a program: its section of the file (no file: the defaults),

@@ -203,6 +203,16 @@ TEST(Config, DumpIsTakenBack) {
   EXPECT_NE(config_hash("ekf", again), config_hash("ekf", config));
 }
 
+TEST(Config, TheHashIsOfTheValuesAndNotOfTheirHelp) {
+  struct OtherHelp {
+    int iterations = 10;
+    void visit(ConfigVisitor& v) { v.field("iterations", iterations, {1, 100}, "how many"); }
+  };
+  ConfigOf<Inner> inner;
+  ConfigOf<OtherHelp> other_help;
+  EXPECT_EQ(config_hash("ekf", other_help), config_hash("ekf", inner));
+}
+
 TEST(Config, SetReachesNestedKeys) {
   ConfigOf<Example> config;
   set_config_value("inner.iterations=7", config);

@@ -200,19 +200,17 @@ TEST(MessageOrder, AfterAGapTheOrderIsExact) {
 int told_wrong(std::int64_t gap, std::int64_t off) {
   MessageOrder order;
   int wrong = 0;
-  const auto look = [&](bool drain) {
-    while (const auto event = order.pop(drain)) {
-      if (std::abs(order.time() - event->log_utime) > 100'000) ++wrong;
-    }
+  const auto look = [&](const LogEvent& event) {
+    if (std::abs(order.time() - event.log_utime) > 100'000) ++wrong;
   };
   const char* const channels[] = {"IMU", "LIDAR", "WHEELS"};
   for (std::int64_t i = 0; i < 3'000; ++i) {
     const bool is_later = i >= 1'500;
     const std::int64_t ms = 1'000 + 10 * i + (is_later ? gap : 0);
     order.push({1000 * ms, channels[i % 3], encoded(1000 * (ms + (is_later && i % 3 == 1 ? off : 0)))});
-    look(false);
+    while (const auto event = order.pop()) look(*event);
   }
-  look(true);
+  while (const auto event = order.pop_rest()) look(*event);
   return wrong;
 }
 
