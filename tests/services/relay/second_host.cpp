@@ -31,6 +31,8 @@ SecondHost::SecondHost() : here_(open(kNetwork, O_RDONLY | O_CLOEXEC)) {
   shell("ip link add cable0 type veth peer name cable1 netns " + network());
   shell("ip address add 192.168.2.1/24 dev cable0 && ip link set cable0 up");
   run([] { shell("ip address add 192.168.2.2/24 dev cable1 && ip link set cable1 up"); });
+  // The cable is ready a moment later, and what is sent until then is lost.
+  shell("for i in $(seq 500); do ip link show cable0 | grep -q 'state UP' && exit 0; sleep 0.01; done; exit 1");
 }
 
 SecondHost::~SecondHost() {
