@@ -60,16 +60,16 @@ class Viewer final : public Node {
       std::fflush(stdout);
       page_said_ = true;
     }
-    if (!door_said_ && endpoint_ && endpoint_->port() != 0) {
+    if (!foxglove_said_ && endpoint_ && endpoint_->port() != 0) {
       fmt::print("viewer: for Foxglove: ws://{}:{}\n", config_.address, endpoint_->port());
       std::fflush(stdout);
-      door_said_ = true;
+      foxglove_said_ = true;
     }
   }
 
   viewer::ViewerConfig config_;
   bool page_said_ = false;
-  bool door_said_ = false;
+  bool foxglove_said_ = false;
   viewer::web::WebServer server_;
   viewer::ViewerNode node_;
   std::optional<viewer::web::WebServer> endpoint_;

@@ -36,9 +36,9 @@ struct ViewerConfig {
     v.field("scan_points", scan_points, {0, 20'000}, "of a LiDAR revolution, for pages that show it");
     v.field("network", network, "network namespace to listen in, as /proc/PID/ns/net; empty: its own");
     v.field("foxglove_port", foxglove_port, {0, 65535},
-            "of the door for Foxglove, at the same address, usually 8765; 0: there is none");
+            "port of the WebSocket server for Foxglove, at the same address, usually 8765; 0: there is none");
     v.field("foxglove_origins", foxglove_origins,
-            "pages that may come in there, with commas; programs that name no origin always may");
+            "origins of pages that may connect to it, with commas; programs that send no origin always may");
     v.field("assets", assets, "folder with the page's files, for who works on them; empty: those in the program");
   }
 };

@@ -157,6 +157,7 @@ TEST(LiveDrive, IsHeardByTheDriversInRealTime) {
   for (std::size_t i = 0; i < host.lidar.size(); ++i)
     late.push_back(static_cast<double>(host.lidar[i] - start) - 1332.0 * static_cast<double>(i));
   EXPECT_NEAR(quantile_or(late, 0.5, 1e9), 0, 1000) << "stamps are those of the shots";
+  EXPECT_NEAR(static_cast<double>(host.lidar.front() - start), 0, 5000);
   EXPECT_NEAR(static_cast<double>(host.lidar.back() - start), 2e6, 5000);
   EXPECT_GT(host.counters()["difop"], 0);
   ASSERT_GT(host.imu.size(), 150U) << "the driver set the IMU up";
