@@ -50,7 +50,7 @@ void add_options(CommandLine& line, Arguments& arguments) {
   line.option("--picture", arguments.picture, "Draw the map (PNG)");
   line.option("--overlay", arguments.overlay,
               "Draw the map, the truth over it and dots where it errs (PNG): yellow for curbs it misses, cyan for such "
-              "that are none, orange for obstacles called free");
+              "that are none, orange for obstacles called free, violet for road called blocked");
   line.option("--json", arguments.json, "Write the figures here, for programs");
 }
 

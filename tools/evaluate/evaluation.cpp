@@ -120,6 +120,8 @@ Evaluation evaluate(const std::vector<semantic_map::tile::MapTile>& tiles,
     const std::uint8_t true_class = truth.class_of_cell(evaluation.T_truth_map, centre, kCellSize);
     if (is_blocking(static_cast<semantic_map::tile::CellClass>(true_class)) && near_path.any_near(place.x, place.y))
       blocking.count(cell_class, place);
+    if (true_class == static_cast<std::uint8_t>(semantic_map::tile::CellClass::kRoad) && is_blocking(cell_class))
+      blocking.called_blocked.push_back(place);
     if (cell_class == semantic_map::tile::CellClass::kUnknown) return;
     map.seen.push_back(place);
     if (cell_class == semantic_map::tile::CellClass::kCurb) map.cells.push_back({place, is_judged(place)});

@@ -24,9 +24,10 @@ struct Confusion {
 /// The map's result for cells that are truly obstacle or wall, within the radius of the path, and that were hit by
 /// points.
 struct BlockingScore {
-  std::int64_t blocked = 0;        ///< obstacle or wall in the map
-  std::int64_t unknown = 0;        ///< unknown, so not free either: too few points, or only above the vehicle
-  std::vector<Place> called_free;  ///< road or curb in the map, m in truth: the dangerous misses
+  std::int64_t blocked = 0;           ///< obstacle or wall in the map
+  std::int64_t unknown = 0;           ///< unknown, so not free either: too few points, or only above the vehicle
+  std::vector<Place> called_free;     ///< road or curb in the map, m in truth: the dangerous misses
+  std::vector<Place> called_blocked;  ///< truly road, but obstacle or wall in the map, m in truth, near or far
   /// Counts a cell that is truly blocked, with its class in the map.
   void count(semantic_map::tile::CellClass cell_class, Place place);
   [[nodiscard]] std::int64_t free() const { return static_cast<std::int64_t>(called_free.size()); }

@@ -12,6 +12,7 @@ constexpr semantic_map::picture::Colour kPath{120, 190, 255};
 constexpr semantic_map::picture::Colour kMissedCurb{255, 235, 0};
 constexpr semantic_map::picture::Colour kWrongCurb{0, 230, 255};
 constexpr semantic_map::picture::Colour kCalledFree{255, 130, 0};
+constexpr semantic_map::picture::Colour kCalledBlocked{150, 90, 255};
 constexpr double kJoinPoints = 0.5;  // m: points of one curb farther apart are not joined
 constexpr double kPathStep = 0.25;   // m
 
@@ -57,17 +58,18 @@ std::vector<semantic_map::picture::PictureLine> truth_lines(const truth::Truth& 
 std::vector<semantic_map::picture::PictureLine> error_dots(const Evaluation& evaluation) {
   const Pose T_map_truth = evaluation.T_truth_map.inverse();
   std::vector<semantic_map::picture::PictureLine> dots;
-  const auto add = [&](const std::vector<Place>& places, semantic_map::picture::Colour colour) {
+  const auto add = [&](const std::vector<Place>& places, semantic_map::picture::Colour colour, double size) {
     for (const Place& place : places) {
       const Eigen::Vector2d at = (T_map_truth * Eigen::Vector3d(place.x, place.y, 0)).head<2>();
-      dots.push_back({{at, at}, colour, 4.0});
+      dots.push_back({{at, at}, colour, size});
     }
   };
+  if (evaluation.blocking) add(evaluation.blocking->called_blocked, kCalledBlocked, 2.0);
   if (evaluation.curbs) {
-    add(evaluation.curbs->missed, kMissedCurb);
-    add(evaluation.curbs->wrong, kWrongCurb);
+    add(evaluation.curbs->missed, kMissedCurb, 4.0);
+    add(evaluation.curbs->wrong, kWrongCurb, 4.0);
   }
-  if (evaluation.blocking) add(evaluation.blocking->called_free, kCalledFree);
+  if (evaluation.blocking) add(evaluation.blocking->called_free, kCalledFree, 4.0);
   return dots;
 }
 

@@ -10,7 +10,7 @@ namespace curbstone::evaluate {
                                                                           const Pose& T_truth_map);
 
 /// The errors of the map: yellow dots on true curbs that it misses, cyan ones on false curb cells, orange ones on truly
-/// blocked cells that it calls free.
+/// blocked cells that it calls free, small violet ones on road that it calls blocked.
 [[nodiscard]] std::vector<semantic_map::picture::PictureLine> error_dots(const Evaluation& evaluation);
 
 }  // namespace curbstone::evaluate

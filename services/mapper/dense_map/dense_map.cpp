@@ -13,8 +13,9 @@ constexpr std::int64_t kPendingTimeout = 3'000'000;  // us without a hit, after 
 constexpr double kGroundSlope = 0.05;                // rate at which unseen ground may rise above the vehicle's plane
 constexpr std::int64_t kHousekeeping = 64;           // scans between
 constexpr std::uint32_t kHeldEvery = 4;              // scans between tests of a held voxel
-constexpr std::size_t kShareByScan = 16;  // divisor: share of the sleeping tiles that is spilled with each scan
-constexpr int kFreeSpacePeriod = 4;       // scans between free-space tests of a tile
+constexpr std::size_t kShareByScan = 16;     // divisor: share of the sleeping tiles that is spilled with each scan
+constexpr int kFreeSpacePeriod = 4;          // scans between free-space tests of a tile
+constexpr std::int64_t kDoubt = 10'000'000;  // us for which what was added behind the vehicle may turn out to be gone
 constexpr std::int64_t kMinRemovalInterval = 1'000'000;          // us: subscribers recount such a tile's votes
 constexpr double kMaxCoordinate = 90'000;                        // m from the start, in either axis
 constexpr std::size_t kTogether = PersistenceFilter::kTogether;  // voxels that are looked up together
@@ -95,17 +96,24 @@ std::vector<TileKey> DenseMap::clear_free_space(const std::vector<scan::LidarPoi
   std::vector<TileKey> changed;
   const Pose T_map_lidar = T_map_base * T_base_lidar;
   const Eigen::Vector2d here = T_map_lidar.translation().head<2>();
-  const auto low = mapped_tile_at({here.x() - config_.free_range, here.y() - config_.free_range, 0});
-  const auto high = mapped_tile_at({here.x() + config_.free_range, here.y() + config_.free_range, 0});
+  const double far = std::max(config_.free_range, config_.max_range);
+  const auto low = mapped_tile_at({here.x() - far, here.y() - far, 0});
+  const auto high = mapped_tile_at({here.x() + far, here.y() + far, 0});
   if (!(config_.free_range > 0) || !low || !high) return changed;
+  const Pose T_lidar_map = T_map_lidar.inverse();
   const RangeImage image(points, T_base_lidar, motion);
-  const FreeSpace::View view{image, T_map_lidar.inverse(), config_.free_range, in_place};
+  const Eigen::Vector2d ahead = T_map_base.linear().col(0).head<2>();
   for (int x = low->x; x <= high->x; ++x) {
     for (int y = low->y; y <= high->y; ++y) {
       if ((x + 3 * y + round_) % kFreeSpacePeriod != 0) continue;
-      DenseTile* const tile = tiles_.wake({x, y});
-      if (tile == nullptr) continue;
-      std::vector<std::uint32_t> gone = free_space_.find_removed(*tile, corner_of({x, y}, *tile), view);
+      const Eigen::Vector2d offset = kTileSize * Eigen::Vector2d(x + 0.5, y + 0.5) - here;
+      const bool is_near = offset.cwiseAbs().maxCoeff() < config_.free_range + 0.5 * kTileSize;
+      DenseTile* const tile = is_near || offset.dot(ahead) < 0 ? tiles_.wake({x, y}) : nullptr;
+      if (tile == nullptr || (!is_near && utime - tile->raised_at() > kDoubt)) continue;
+      const FreeSpace::View view{image, T_lidar_map, is_near ? config_.free_range : far, in_place};
+      const Eigen::Vector3d corner = corner_of({x, y}, *tile);
+      std::vector<std::uint32_t> gone =
+          is_near ? free_space_.find_removed(*tile, corner, view) : free_space_.find_left_behind(*tile, corner, view);
       if (gone.size() == tile->num_points() && !gone.empty())
         gone.pop_back();  // a published tile must not become empty
       if (gone.empty() || utime - tile->removed_at() < kMinRemovalInterval) continue;
@@ -275,6 +283,7 @@ std::vector<TileKey> DenseMap::settle_all(std::int64_t utime, Which which) {
       PendingVoxel& pending = pending_[together[i].at];
       const std::int64_t before = size_;
       if (!settle(together[i], may_move[i], utime, which)) continue;
+      if (size_ != before && suspects[i].is_high) together[i].tile->set_raised_at(utime);
       if (size_ != before && (grown.empty() || grown.back() != pending.tile)) grown.push_back(pending.tile);
       pending_index_.erase(pending_key(pending.tile, pending.voxel));
       pending.hits = 0;

@@ -130,6 +130,12 @@ void DenseTile::set_vacated(int column) {
   vacated_[static_cast<std::size_t>(column)] = true;
 }
 
+void DenseTile::set_scans_through(std::size_t column, int scans) {
+  if (scans_through_.empty() && scans == 0) return;
+  scans_through_.resize(kVacatedColumns * kVacatedColumns);
+  scans_through_[column] = static_cast<std::uint8_t>(std::min(scans, 255));
+}
+
 bool DenseTile::truncate_after(std::int64_t utime) {
   if (newest_run_ <= utime) {
     utime_ = newest_run_;
@@ -187,6 +193,7 @@ void DenseTile::sleep() {
   release_memory(lowest_);
   release_memory(num_passes_);
   release_memory(vacated_);
+  release_memory(scans_through_);
 }
 
 /// If no record was added since the tile was read, the file still holds all of them.
@@ -214,7 +221,7 @@ bool DenseTile::unspill() {
 
 std::size_t DenseTile::bytes() const {
   return bytes_of(content_.records) + bytes_of(content_.runs) + occupied_.bytes() + bytes_of(lowest_) +
-         bytes_of(num_passes_) + vacated_.capacity() / 8;
+         bytes_of(num_passes_) + bytes_of(scans_through_) + vacated_.capacity() / 8;
 }
 
 bool DenseTile::wake() {

@@ -100,6 +100,14 @@ class DenseTile {
   }
   [[nodiscard]] bool any_vacated() const { return !vacated_.empty(); }
   void set_vacated(int column);
+  /// Number of scans whose beams passed through something above a column of 0.2 m. Discarded in sleep.
+  [[nodiscard]] int scans_through(std::size_t column) const {
+    return scans_through_.empty() ? 0 : scans_through_[column];
+  }
+  void set_scans_through(std::size_t column, int scans);
+  /// Time of the scan with which a point clear of the ground was last added, us; 0: none was.
+  [[nodiscard]] std::int64_t raised_at() const { return raised_at_; }
+  void set_raised_at(std::int64_t utime) { raised_at_ = utime; }
   /// Time of the last removal, us.
   [[nodiscard]] std::int64_t removed_at() const { return removed_at_; }
 
@@ -141,6 +149,7 @@ class DenseTile {
   void index_points();
   void append_record(const TilePoint& record, std::int64_t utime, std::int32_t anchor);
   [[nodiscard]] bool unspill();
+  std::int64_t raised_at_ = 0;
   std::int64_t removed_at_ = 0;
   std::size_t num_removals_ = 0;
   TileRecords content_;         // empty while spilled
@@ -150,6 +159,7 @@ class DenseTile {
   std::vector<float> lowest_;
   std::vector<std::uint8_t> num_passes_;
   std::vector<bool> vacated_;
+  std::vector<std::uint8_t> scans_through_;
 };
 
 }  // namespace curbstone::mapper::dense_map

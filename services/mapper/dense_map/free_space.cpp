@@ -1,6 +1,7 @@
 #include "services/mapper/dense_map/free_space.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "services/mapper/voxels/flat_index.hpp"
@@ -16,6 +17,7 @@ constexpr int kBelowAll = 400;                       // cells: below every int16
 constexpr auto kRecordStep = static_cast<float>(kPositionStep);
 constexpr std::uint8_t kMinScansThrough = 2;        // scans whose beams passed through, for a point to count as free
 constexpr std::uint8_t kMaxScansThrough = 4;        // scans that are counted at most
+constexpr int kMinScansThroughColumn = 3;           // the same for a column
 constexpr float kLowClearance = 0.06F;              // m above the column's lowest point, below an object that is gone
 constexpr RangeImage::Margins kHigh{0.30F, 0.50F};  // m: the depth of an obstacle, and a clear margin beyond
 constexpr RangeImage::Margins kLow{0.12F, 0.15F};   // m: near the ground
@@ -103,6 +105,41 @@ std::vector<std::uint32_t> FreeSpace::find_removed(DenseTile& tile, const Eigen:
   }
   for (const Candidate& candidate : candidates_) cells_[candidate.cell] = {};
   return gone;
+}
+
+/// As find_removed(), from few beams: all points above a column are gone once beams passed through any of them in
+/// kMinScansThroughColumn scans, and none ended there or beside it since.
+std::vector<std::uint32_t> FreeSpace::find_left_behind(DenseTile& tile, const Eigen::Vector3d& corner,
+                                                       const View& view) {
+  candidates_.clear();
+  gather(tile, corner, view);
+  std::array<bool, kLayer> hit{}, through{};
+  for (const Candidate& candidate : candidates_) {
+    const std::size_t column = candidate.cell % kLayer;
+    hit[column] = hit[column] || cells_[candidate.cell].hit;
+    through[column] = through[column] || candidate.through;
+  }
+  for (const Candidate& candidate : candidates_) cells_[candidate.cell] = {};
+  const auto hit_beside = [&](std::size_t column) {
+    const std::size_t x = column % kAcross, y = column / kAcross;
+    return (x > 0 && hit[column - 1]) || (x + 1 < kAcross && hit[column + 1]) || (y > 0 && hit[column - kAcross]) ||
+           (y + 1 < kAcross && hit[column + kAcross]);
+  };
+  std::array<bool, kLayer> gone{};
+  for (std::size_t column = 0; column < kLayer; ++column) {
+    if (hit[column] || hit_beside(column))
+      tile.set_scans_through(column, 0);
+    else if (through[column])
+      tile.set_scans_through(column, tile.scans_through(column) + 1);
+    gone[column] = tile.scans_through(column) >= kMinScansThroughColumn;
+  }
+  std::vector<std::uint32_t> records;
+  for (const Candidate& candidate : candidates_) {
+    if (!gone[candidate.cell % kLayer]) continue;
+    records.push_back(candidate.record);
+    tile.set_vacated(static_cast<int>(candidate.cell) % kLayer);
+  }
+  return records;
 }
 
 }  // namespace curbstone::mapper::dense_map

@@ -31,6 +31,9 @@ class FreeSpace {
   /// Tests a tile whose corner is at `corner` (m, map), and returns the records of the points that are gone.
   [[nodiscard]] std::vector<std::uint32_t> find_removed(DenseTile& tile, const Eigen::Vector3d& corner,
                                                         const View& view);
+  /// The same for a tile that only few beams reach, farther from the vehicle.
+  [[nodiscard]] std::vector<std::uint32_t> find_left_behind(DenseTile& tile, const Eigen::Vector3d& corner,
+                                                            const View& view);
 
  private:
   struct Cell {

@@ -9,6 +9,7 @@
 #include <limits>
 #include <optional>
 
+#include "services/semantic_map/cells/standing.hpp"
 #include "services/semantic_map/tile/vectorised.hpp"
 
 namespace curbstone::semantic_map::cells {
@@ -21,19 +22,6 @@ constexpr double kReachesTop = 0.85;  // of the vehicle's height
 constexpr int kShadow = 8;            // cells: about the length of the shadow behind and below an edge
 constexpr double kSlope = 0.15;       // slope that unseen ground may have
 constexpr double kCurbLink = 0.45;    // m: cells between curb points this close are curb, too
-
-/// Index of the neighbour, -1 to 1, in which a column or row lies that is at most a tile's width outside.
-constexpr int tile_of(int i) {
-  return i < 0 ? -1 : i >= kCellsPerTile ? 1 : 0;
-}
-
-/// A cell of a tile or of its neighbours; nullptr where there is no tile.
-const CellColumn* cell_at(const tile::Around<CellColumns>& columns, int column, int row) {
-  const int dx = tile_of(column);
-  const int dy = tile_of(row);
-  const CellColumns* tile = columns.at(dx, dy);
-  return tile == nullptr ? nullptr : &tile->at(column - dx * kCellsPerTile, row - dy * kCellsPerTile);
-}
 
 /// Heights of the ground in the cells of a tile and up to kShadow cells beyond it.
 class GroundWindow {
@@ -78,69 +66,6 @@ class GroundWindow {
   std::array<float, std::size_t{kSize} * kSize> z_;
   Extent heights_;
 };
-
-/// Cells with points above the ground, and their neighbours.
-std::bitset<tile::kCellsInTile> find_near_standing(const tile::Around<CellColumns>& columns) {
-  constexpr auto place = [](int column, int row) { return static_cast<std::size_t>(row * kCellsPerTile + column); };
-  constexpr int kLast = kCellsPerTile - 1;
-  const std::bitset<tile::kCellsInTile>& standing = columns.centre()->standing;
-  std::bitset<tile::kCellsInTile> west_column;
-  for (int row = 0; row < kCellsPerTile; ++row) west_column.set(place(0, row));
-  const std::bitset<tile::kCellsInTile> east_column = west_column << kLast;
-  std::bitset<tile::kCellsInTile> near = standing | standing << kCellsPerTile | standing >> kCellsPerTile |
-                                         (standing & ~east_column) << 1 | (standing & ~west_column) >> 1;
-  const auto look_across = [&](int dx, int dy, auto here, auto there) {
-    const CellColumns* tile = columns.at(dx, dy);
-    if (tile == nullptr || tile->standing.none()) return;
-    for (int i = 0; i < kCellsPerTile; ++i) {
-      if (tile->standing[there(i)]) near.set(here(i));
-    }
-  };
-  const auto west = [&](int row) { return place(0, row); };
-  const auto east = [&](int row) { return place(kLast, row); };
-  const auto south = [&](int column) { return place(column, 0); };
-  const auto north = [&](int column) { return place(column, kLast); };
-  look_across(-1, 0, west, east);
-  look_across(1, 0, east, west);
-  look_across(0, -1, south, north);
-  look_across(0, 1, north, south);
-  return near;
-}
-
-/// The obstacle in a cell, with its neighbours considered: a point just beyond the edge may in fact be on this side of
-/// it, and a single point counts if there are others beside it.
-struct Standing {
-  bool blocks = false;
-  double top = 0;  ///< m above ground
-};
-
-Standing standing_at(const tile::Around<CellColumns>& columns, int column, int row, const ClassParameters& parameters) {
-  const CellColumn& cell = columns.centre()->at(column, row);
-  if (cell.blocks(parameters)) return {true, double{cell.top}};
-  struct Side {
-    int dx, dy;
-    std::size_t edge;  // edge of the neighbour that adjoins this cell
-  };
-  int over_the_edge = 0;
-  for (const Side& side : {Side{-1, 0, 1}, Side{1, 0, 0}, Side{0, -1, 3}, Side{0, 1, 2}}) {
-    const CellColumn* next = cell_at(columns, column + side.dx, row + side.dy);
-    if (next != nullptr) over_the_edge += next->at_edge[side.edge];
-  }
-  if (cell.blocking_points + over_the_edge == 0) return {};
-  bool supported = false;
-  Standing standing;
-  for (int dy = -1; dy <= 1; ++dy) {
-    for (int dx = -1; dx <= 1; ++dx) {
-      const CellColumn* next = cell_at(columns, column + dx, row + dy);
-      if (next == nullptr) continue;
-      supported = supported || next->blocks(parameters);
-      standing.top = std::max(standing.top, double{next->top});
-    }
-  }
-  standing.blocks =
-      cell.blocking_points + over_the_edge >= parameters.min_points || (cell.blocking_points > 0 && supported);
-  return standing;
-}
 
 /// The cells as high as `min_vehicle` of a tile and up to kVehicleReach cells around it, a bit each.
 class HighCells {

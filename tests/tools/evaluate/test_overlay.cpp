@@ -32,16 +32,19 @@ TEST(ErrorDots, AreInMapAColourForEachKind) {
   evaluation.blocking.emplace();
   evaluation.blocking->count(semantic_map::tile::CellClass::kWall, {1, 1});
   evaluation.blocking->count(semantic_map::tile::CellClass::kCurb, {12, 6});
+  evaluation.blocking->called_blocked = {{13, 7}};
   evaluation.curbs.emplace();
   evaluation.curbs->missed = {{10, 5}};
   evaluation.curbs->wrong = {{11, 5}};
   const auto dots = error_dots(evaluation);
-  ASSERT_EQ(dots.size(), 3U);
-  EXPECT_NEAR(dots[0].points[0].norm(), 0, 1e-12);
-  EXPECT_NEAR(dots[2].points[0].x(), 2, 1e-12);
-  EXPECT_NEAR(dots[2].points[0].y(), 1, 1e-12);
-  EXPECT_NE(dots[0].colour, dots[1].colour);
-  EXPECT_NE(dots[1].colour, dots[2].colour);
+  ASSERT_EQ(dots.size(), 4U);
+  EXPECT_NEAR(dots[0].points[0].x(), 3, 1e-12) << "below the others: there are many of them";
+  EXPECT_NEAR(dots[1].points[0].norm(), 0, 1e-12);
+  EXPECT_NEAR(dots[3].points[0].x(), 2, 1e-12);
+  EXPECT_NEAR(dots[3].points[0].y(), 1, 1e-12);
+  for (std::size_t a = 0; a < dots.size(); ++a) {
+    for (std::size_t b = 0; b < a; ++b) EXPECT_NE(dots[a].colour, dots[b].colour);
+  }
 }
 
 }  // namespace

@@ -125,6 +125,23 @@ TEST(FreeSpace, AParkedCarThatLeavesFadesAndItsPlaceIsGround) {
   EXPECT_GT(points_in(drive, {{-3.2, -4.2, -0.1}, {1.2, -2.2, 0.06}}), 100);
 }
 
+TEST(FreeSpace, ALorryThatPassedBehindTheVehicleFadesWhileItIsStillInSight) {
+  // 14 m at 7 m/s: it is in one place for 2 s, longer than `persistence_s`, and the vehicle drives away from it.
+  const auto lorry = [](double t) {
+    const double x = -2 - 7 * (t - 4.5);
+    return std::vector<Box>{{{x - 14, 2.4, 0.3}, {x, 4.6, 2.8}}};
+  };
+  const Box lane{{-14, 2.2, 0.35}, {2, 4.8, 3}};
+  ChangingStreet drive(lorry);
+  int most = 0;
+  for (double t = 4; t < 9.5; t += 0.1) {
+    drive.until(t);
+    most = std::max(most, points_in(drive, lane));
+  }
+  EXPECT_GT(most, 500) << "this is what must fade";
+  EXPECT_LT(points_in(drive, lane), most / 10);
+}
+
 TEST(FreeSpace, WhatIsThinStaysAndSoDoWallsAndKerbs) {
   std::vector<Box> things{{{-20, 5.9, 0}, {40, 8, 0.12}},      // a pavement with its kerb
                           {{-20, -9, 0}, {40, -7, 0.15}},      //

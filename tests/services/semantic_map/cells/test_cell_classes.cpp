@@ -77,6 +77,34 @@ TEST(Classes, APointOnTheEdgeOfACellBlocksBothAndASingleOneOnlyBesideOthers) {
   EXPECT_EQ(class_of(20, 20), tile::CellClass::kRoad);
 }
 
+TEST(Classes, StraysOfAWallOverOpenGroundAreNoObstacleThoughTimeAddsToThem) {
+  const ClassParameters parameters;
+  tile::Around<CellColumns> around;
+  auto columns = std::make_unique<CellColumns>();
+  columns->cells.fill({.points = 5, .ground_points = 5});
+  const auto put = [&](int column, int row, const CellColumn& cell) {
+    const auto i = static_cast<std::size_t>(row * kCellsPerTile + column);
+    columns->cells[i] = cell;
+    columns->standing.set(i);
+  };
+  constexpr std::uint16_t kStrays = 3;
+  for (int column = 0; column < kCellsPerTile; ++column)
+    put(column, 10, {.points = 200, .ground_points = 6, .blocking_points = 150, .top = 1.9F});
+  put(4, 11, {.points = 8, .ground_points = 5, .blocking_points = kStrays, .top = 1.5F});
+  put(12, 11, {.points = 3, .ground_points = 0, .blocking_points = kStrays, .top = 1.5F});
+  put(20, 20, {.points = 8, .ground_points = 5, .blocking_points = kStrays, .top = 0.5F});
+  around.set(0, 0, columns.get());
+  tile::MapTile tile;
+  classify_cells(around, {}, find_vehicles(around), parameters, tile);
+  const auto class_of = [&](int column, int row) {
+    return tile.cell_class[static_cast<std::size_t>(row * kCellsPerTile + column)];
+  };
+  EXPECT_EQ(class_of(4, 10), tile::CellClass::kWall);
+  EXPECT_EQ(class_of(4, 11), tile::CellClass::kRoad) << "one in fifty of the wall's points";
+  EXPECT_EQ(class_of(12, 11), tile::CellClass::kObstacle) << "no ground was seen there";
+  EXPECT_EQ(class_of(20, 20), tile::CellClass::kObstacle) << "a post of its own";
+}
+
 TEST(Classes, WhatWasNotSeenIsUnknownAndTheSafePolicyDoesNotEnterIt) {
   SyntheticCloud cloud;
   cloud.ground(0, 0, 5, 9, kDensity, [](double, double) { return 0.0; });
