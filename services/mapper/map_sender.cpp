@@ -36,23 +36,21 @@ std::int32_t size_of(const dense_map::TileRecords& content) {
 
 }  // namespace
 
-void MapSender::start_epoch(std::int32_t epoch, const dense_map::DenseMap& map, const Eigen::Vector3d& nearest_first,
+void MapSender::start_epoch(std::int32_t epoch, const Eigen::Vector3d& position,
                             const std::vector<TrajectoryPoint>& drive) {
   epoch_ = epoch;
   catalog_.start_epoch(epoch);
   sent_.clear();
   changed_.clear();
   unreadable_.clear();
-  changed_.set_position(nearest_first.x(), nearest_first.y());
-  std::vector<TileKey> keys = map.keys();
-  const auto distance = [&](TileKey key) { return squared_distance(key, nearest_first.x(), nearest_first.y()); };
-  std::stable_sort(keys.begin(), keys.end(), [&](TileKey a, TileKey b) { return distance(a) < distance(b); });
-  queue_tiles(keys);
+  changed_.set_position(position.x(), position.y());
   trajectory_ = make_trajectory_pages(drive, epoch);
   drive_.start_epoch(epoch, drive);
 }
 
-void MapSender::queue_tiles(const std::vector<TileKey>& tiles) {
+void MapSender::queue_tiles(std::vector<TileKey> tiles) {
+  std::stable_sort(tiles.begin(), tiles.end(),
+                   [this](TileKey a, TileKey b) { return changed_.distance(a) < changed_.distance(b); });
   for (const TileKey& key : tiles) changed_.push(key);
 }
 
@@ -114,7 +112,7 @@ void MapSender::send_changes(const dense_map::DenseMap& map, std::int64_t now) {
     catalog_.set_version(*key, sent);
     if (sent < total) unfinished.push_back(*key);
   }
-  queue_tiles(unfinished);
+  for (const TileKey& key : unfinished) changed_.push(key);
 }
 
 void MapSender::send_requested(const dense_map::DenseMap& map) {

@@ -25,11 +25,11 @@ class MapSender {
  public:
   explicit MapSender(Publisher& bus) : bus_(bus) {}
 
-  /// Begins an epoch. Everything sent in the previous one is void: the whole map and the drive so far are sent again.
-  void start_epoch(std::int32_t epoch, const dense_map::DenseMap& map, const Eigen::Vector3d& nearest_first,
-                   const std::vector<TrajectoryPoint>& drive);
-  /// Queues tiles that have grown. They are sent in this order, those near the vehicle first.
-  void queue_tiles(const std::vector<TileKey>& tiles);
+  /// Begins an epoch with the vehicle at `position` (map, m). Everything sent in the previous one is void: the drive so
+  /// far is sent again, and so are all tiles, which the caller queues.
+  void start_epoch(std::int32_t epoch, const Eigen::Vector3d& position, const std::vector<TrajectoryPoint>& drive);
+  /// Queues tiles that have grown, or that are new in this epoch, the nearest first.
+  void queue_tiles(std::vector<TileKey> tiles);
   /// Drops tiles that the map has evicted.
   void forget(const std::vector<TileKey>& tiles);
   void request(const tile_request_t& message) {

@@ -9,6 +9,7 @@ namespace {
 
 using Insertion = dense_map::DenseWork::Insertion;
 
+constexpr int kScansToSolve = 10;                    // between a loop that is found and the map that moves
 constexpr std::int64_t kMaxRemovals = 400'000;       // removal records, from which on the tiles are written anew
 constexpr double kStandsStill = 0.5;                 // s without motion, after which a vehicle without odometry stands
 constexpr std::int64_t kSearchPeriod = 500'000;      // us between two searches for a lost vehicle,
@@ -23,6 +24,7 @@ Mapper::Mapper(const config::MapperConfig& config, const std::shared_ptr<SpillFi
       atlas_(config.atlas, spill_file),
       local_map_(atlas_, tracker_),
       closer_(config.loop),
+      solving_(config.threads > 1),
       relocalizer_(config.registration.icp, config.vehicle.T_base_lidar().translation()),
       dense_(std::make_unique<dense_map::DenseWorker>(config.dense, config.vehicle.T_base_lidar(), config.threads > 1,
                                                       spill_file)),
@@ -106,6 +108,7 @@ std::optional<Mapper::Relocalisation> Mapper::relocalise(const tracking::Tracked
   if (!found) return std::nullopt;
   counters_.add("searches.found");
   earlier_.reset();
+  solving_.cancel();
   const bool rolled_back = roll_back_to_agreement(found->T_map_base, tracked.utime, T_odom_base);
   const bool is_there = found->node < atlas_.size();
   const int nearest = is_there ? found->node : atlas_.nearest(found->T_map_base.translation());
@@ -157,7 +160,10 @@ Mapper::Mapped Mapper::map(const tracking::Tracked& tracked) {
     const int anchor = atlas_.visit(first->utime, first->T_map_base, *first->points);
     earlier.push_back({first->points, first->T_map_base, first->utime, anchor, true});
   }
-  if (tracked.map_restarted) local_map_.leave();
+  if (tracked.map_restarted) {
+    local_map_.leave();
+    solving_.cancel();
+  }
   const int anchor = atlas_.visit(tracked.utime, tracked.T_map_base, *tracked.points);
   const std::optional<Pose> correction = close_loop(tracked);
   const Pose T_map_base = correction ? normalised(*correction * tracked.T_map_base) : tracked.T_map_base;
@@ -168,32 +174,54 @@ Mapper::Mapped Mapper::map(const tracking::Tracked& tracked) {
   return {T_map_base, stands, correction.has_value() || began_anew, start_is_over};
 }
 
-/// Closes a loop if the vehicle is back at an earlier place: corrects the whole drive, and the map with it. Returns the
-/// correction of the vehicle's pose, T_new_old; nothing if nothing moves. Waits while the map still moves by an earlier
-/// loop.
+/// Closes a loop if the vehicle is back at an earlier place. The loop is solved beside the next scans, and then
+/// corrects the drive. Returns the correction of the vehicle's pose, T_new_old; nothing if nothing moves. Does not
+/// search while the map still moves by an earlier loop.
 std::optional<Pose> Mapper::close_loop(const tracking::Tracked& tracked) {
+  if (solving_.is_under_way()) {
+    std::optional<local_map::SolvedLoop> solved = solving_.next_scan();
+    return solved ? correct_drive(std::move(*solved), tracked.T_map_base) : std::nullopt;
+  }
   dense_->wait_inserted();
   if (dense_->is_moving()) return std::nullopt;
   const auto closure = closer_.search(atlas_, relocalizer_, *tracked.points, tracked.T_map_base);
   if (!closure) return std::nullopt;
-  const auto correction = closer_.solve(atlas_, *closure, tracked.T_map_base);
-  if (!correction) return std::nullopt;
-  atlas_.add_loop(correction->loop);
-  if (!closer_.is_significant(*correction, atlas_)) return std::nullopt;
-  const Pose& here = correction->T_new_old[static_cast<std::size_t>(atlas_.reference())];
-  atlas_.move(correction->T_new_old);
-  dense_->move(correction->T_new_old);
+  solving_.begin(kScansToSolve, [atlas = atlas_, closer = closer_, closure = *closure, at = tracked.T_map_base,
+                                 empty = tracker_.empty_map()]() mutable {
+    return local_map::solve_loop(std::move(atlas), closer, closure, at, std::move(empty));
+  });
+  return std::nullopt;
+}
+
+/// Corrects the whole drive, and the map with it. Keyframes made since the loop was found move with the one that the
+/// vehicle was at then.
+std::optional<Pose> Mapper::correct_drive(local_map::SolvedLoop solved, const Pose& T_map_base) {
+  closer_.note_solved(solved.correction);
+  if (!solved.correction) return std::nullopt;
+  const pose_graph::PoseEdge& loop = solved.correction->loop;
+  atlas_.add_loop(loop);
+  if (!solved.local_map) return std::nullopt;
+  std::vector<Pose>& T_new_old = solved.correction->T_new_old;
+  T_new_old.resize(static_cast<std::size_t>(atlas_.size()), Pose(T_new_old[static_cast<std::size_t>(loop.to)]));
+  const Pose here = T_new_old[static_cast<std::size_t>(atlas_.reference())];
+  atlas_.move(T_new_old);
+  dense_->move(T_new_old);
   start_.end();
   earlier_.reset();
   standstill_ = standstill_.corrected(here);
-  local_map_.rebuild(normalised(here * tracked.T_map_base), atlas_.reference());
+  local_map_.replace(std::move(*solved.local_map), normalised(here * T_map_base), atlas_.reference());
   return here;
+}
+
+bool Mapper::close_last_loop() {
+  std::optional<local_map::SolvedLoop> solved = solving_.take();
+  return solved && correct_drive(std::move(*solved), tracker_.T_map_base());
 }
 
 /// Rewrites the tiles without removal records once there are too many of these. True if it did.
 bool Mapper::drop_removals() {
   dense_->wait_inserted();
-  if (dense_->is_moving() || dense_->num_removals() < kMaxRemovals) return false;
+  if (solving_.is_under_way() || dense_->is_moving() || dense_->num_removals() < kMaxRemovals) return false;
   dense_->move({});
   return true;
 }

@@ -15,7 +15,9 @@
 #include "services/mapper/failed_search.hpp"
 #include "services/mapper/intensity/ring_scale.hpp"
 #include "services/mapper/journal/recorded_drive.hpp"
-#include "services/mapper/local_map.hpp"
+#include "services/mapper/local_map/delayed_result.hpp"
+#include "services/mapper/local_map/local_map.hpp"
+#include "services/mapper/local_map/solved_loop.hpp"
 #include "services/mapper/moving_objects/co_moving_objects.hpp"
 #include "services/mapper/pose_graph/atlas.hpp"
 #include "services/mapper/pose_graph/loop_closer.hpp"
@@ -89,6 +91,8 @@ class Mapper {
   /// Begins free-space removal in the dense map. To be called while no result is awaited; otherwise the next process()
   /// does it first.
   void begin_free_space_removal();
+  /// Corrects the drive by a loop that is still being solved, as no scan follows. True if the map is rearranged.
+  [[nodiscard]] bool close_last_loop();
   /// Shows the drive's own map from now on, as the drive ends. True if another map was shown: then every tile may
   /// differ.
   [[nodiscard]] bool show_drive();
@@ -185,6 +189,7 @@ class Mapper {
                                             const std::optional<Pose>& T_odom_base);
   [[nodiscard]] Mapped map(const tracking::Tracked& tracked);
   [[nodiscard]] std::optional<Pose> close_loop(const tracking::Tracked& tracked);
+  [[nodiscard]] std::optional<Pose> correct_drive(local_map::SolvedLoop solved, const Pose& T_map_base);
   [[nodiscard]] bool drop_removals();
   void grow(const tracking::Tracked& tracked, const Pose& T_map_base, int anchor,
             std::vector<dense_map::DenseWork::Insertion> earlier);
@@ -199,8 +204,9 @@ class Mapper {
   moving_objects::CoMovingObjects co_moving_;
   tracking::Tracker tracker_;
   pose_graph::Atlas atlas_;
-  LocalMap local_map_;
+  local_map::LocalMap local_map_;
   pose_graph::LoopCloser closer_;
+  local_map::DelayedResult<local_map::SolvedLoop> solving_;
   pose_graph::Relocalizer relocalizer_;
   std::unique_ptr<dense_map::DenseWorker> dense_;  // never null
   std::int64_t dense_began_ = 0;                   // us, end of the first scan that this process inserted; 0: none

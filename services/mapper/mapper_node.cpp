@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kMaxScansPerTick = 5;               // scans processed per call
 constexpr std::int64_t kIndexPeriod = 1'000'000;  // us
+constexpr std::int64_t kRearranging = 100'000;    // us, unless the next scan comes before
 constexpr int kRefusedInARow = 10;                // scans that do not fit the map: from here on a fault
 constexpr std::int64_t kGyroWindow = 100'000;     // us before the end of a scan in which a gyro must have measured
 
@@ -109,9 +110,12 @@ void MapperNode::process(scan::Scan scan) {
   position_ = update->T_map_base.translation();
   monitor_sensors(*update);
   if (update->rearranged) start_drive_.clear();
-  if (epoch_ == 0 || update->rearranged || update->start_is_over) begin_epoch(update->utime, update->rearranged);
+  const bool begins = epoch_ == 0 || update->rearranged || update->start_is_over;
+  if (begins) name_epoch(update->utime);
   publish_pose(*update);
+  if (begins) begin_epoch(update->utime, update->rearranged);
   keep_pose(*update);
+  rearranged_at_ = update->rearranged ? update->utime : 0;
   has_unsent_ = true;
   is_pause_ = false;
   if (update->wants_new_drive)
@@ -149,15 +153,23 @@ void MapperNode::check_lidar(const MapperUpdate& update) {
   if (why) begin_with_other_lidar(*why);
 }
 
-void MapperNode::begin_epoch(std::int64_t utime, bool is_rearranged) {
+void MapperNode::name_epoch(std::int64_t utime) {
   const auto now = static_cast<std::int32_t>(std::clamp<std::int64_t>(utime / 1'000'000, 1, 2'147'483'000));
   epoch_ = std::max({epoch_ + 1, epoch_before_ + 1, now});
   counters_.add("epochs");
+}
+
+/// Sends the map and the drive again, in the epoch that has its name. After a rearrangement the tiles follow as
+/// changed ones, once they have moved.
+void MapperNode::begin_epoch(std::int64_t utime, bool is_rearranged) {
   if (saver_) saver_->begin_epoch(epoch_);
   std::vector<journal::RecordedPose> drive = drive_so_far();
   std::erase_if(drive, [&](const auto& pose) { return pose.utime >= utime; });  // later poses follow as MAP_POSE
-  mapper_->wait();
-  sender_.start_epoch(epoch_, mapper_->shown(), position_, points_of(drive));
+  sender_.start_epoch(epoch_, position_, points_of(drive));
+  if (!is_rearranged) {
+    mapper_->wait();
+    sender_.queue_tiles(mapper_->shown().keys());
+  }
   journal_epoch(drive, is_rearranged);
   if (mapper_->is_at_start()) start_drive_ = std::move(drive);
 }
@@ -191,13 +203,14 @@ void MapperNode::publish_pose(const MapperUpdate& update) {
                   (update.stationary ? map_pose_t::STATIONARY : 0) |
                   (update.fix == tracking::Fix::kTracking ? 0 : map_pose_t::LOST);
   bus_.publish("MAP_POSE", message);
-  if ((message.flags & map_pose_t::LOST) == 0) sender_.add_pose({update.utime, update.revolution, update.T_map_base});
 }
 
 /// Records poses that are tracked.
 void MapperNode::keep_pose(const MapperUpdate& update) {
+  if (update.fix != tracking::Fix::kTracking) return;
+  sender_.add_pose({update.utime, update.revolution, update.T_map_base});
   const int node = mapper_->atlas().reference();
-  if (update.fix != tracking::Fix::kTracking || node == pose_graph::Atlas::kNone) return;
+  if (node == pose_graph::Atlas::kNone) return;
   const journal::RecordedPose pose{update.utime,          update.revolution, node,
                                    update.T_map_base,     update.T_map_odom, update.with_odometry,
                                    update.standing_since, update.has_moved};
@@ -231,8 +244,14 @@ void MapperNode::send_index(std::int64_t now) {
   index_sent_ = now;
 }
 
+/// The map moves meanwhile, which takes longer than the insertion of a scan: nothing waits for it, so that the next
+/// pose is not late.
+bool MapperNode::is_rearranging(std::int64_t now) const {
+  return rearranged_at_ != 0 && !has_passed(kRearranging, rearranged_at_, now);
+}
+
 void MapperNode::caught_up(std::int64_t now) {
-  if (has_unsent_ && epoch_ != 0) send_changes(now);
+  if (has_unsent_ && epoch_ != 0 && !is_rearranging(now)) send_changes(now);
 }
 
 void MapperNode::tick(std::int64_t now) {
@@ -244,6 +263,7 @@ void MapperNode::tick(std::int64_t now) {
     return;
   }
   sender_.send_trajectory();
+  if (is_rearranging(now)) return;
   send_changes(now);
   sender_.send_requested(mapper_->shown());
   if (has_passed(kIndexPeriod, index_sent_, now)) send_index(now);
@@ -257,7 +277,11 @@ void MapperNode::finish() {
   while (!input_.empty()) process(input_.pop());
   if (epoch_ == 0) return;
   take_changes(last_end_);
-  if (mapper_->show_drive()) begin_epoch(last_end_ + 1, false);
+  const bool is_rearranged = mapper_->close_last_loop();
+  if (const bool is_another = mapper_->show_drive(); is_another || is_rearranged) {
+    name_epoch(last_end_ + 1);
+    begin_epoch(last_end_ + 1, is_rearranged);
+  }
   sender_.queue_tiles(mapper_->finish());
   sender_.finish(mapper_->dense());
   send_index(last_end_);

@@ -52,12 +52,14 @@ class MapperNode final : public Node {
   void process(scan::Scan scan);
   void monitor_sensors(const MapperUpdate& update);
   /// Begins an epoch: the map begins, or has been rearranged and is sent again as a whole.
+  void name_epoch(std::int64_t utime);
   void begin_epoch(std::int64_t utime, bool is_rearranged);
   [[nodiscard]] std::vector<journal::RecordedPose> drive_so_far();
   void publish_pose(const MapperUpdate& update);
   void take_changes(std::int64_t now);
   void send_changes(std::int64_t now);
   void send_index(std::int64_t now);
+  [[nodiscard]] bool is_rearranging(std::int64_t now) const;
   /// `why`: the cause, for the fault that reports it.
   void begin_new_drive(const std::string& why);
   void check_lidar(const MapperUpdate& update);
@@ -91,10 +93,11 @@ class MapperNode final : public Node {
 
   // Publication.
   MapSender sender_;
-  std::int32_t epoch_ = 0;         // 0: no map yet
-  std::int32_t epoch_before_ = 0;  // of the map on disk or of the drive before, which a new epoch exceeds; 0: none
-  bool has_unsent_ = false;        // tiles of the last scan were not sent yet
-  std::int64_t index_sent_ = 0;    // us
+  std::int32_t epoch_ = 0;          // 0: no map yet
+  std::int32_t epoch_before_ = 0;   // of the map on disk or of the drive before, which a new epoch exceeds; 0: none
+  std::int64_t rearranged_at_ = 0;  // us, end of the last scan if that rearranged the map; 0: it did not
+  bool has_unsent_ = false;         // tiles of the last scan were not sent yet
+  std::int64_t index_sent_ = 0;     // us
   std::vector<journal::RecordedPose> resumed_drive_;  // of the mapper that died, until it is sent
   std::vector<journal::RecordedPose> start_drive_;    // of the first standstill, until it is over
 

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <cmath>
+#include <cstddef>
 #include <deque>
 #include <optional>
 #include <unordered_map>
@@ -8,61 +11,61 @@
 
 namespace curbstone::mapper {
 
-/// Queue of tiles to send: tiles near the vehicle before all others, each group first in, first out. After a loop
-/// closure the whole map is queued, for a minute or more; tiles that the vehicle sees for the first time do not wait
-/// behind it. Each tile is queued once.
+/// Queue of tiles to send: by rings around the vehicle, the nearest first; in a ring first in, first out. After a loop
+/// closure the whole map is queued, for a minute or more: what lies beneath the vehicle goes first, and what it sees
+/// for the first time does not wait behind what is far. Each tile is queued once.
 class SendQueue {
  public:
-  static constexpr double kNear = 40;  ///< m from the vehicle to a tile's middle: twice dense.max_range's default
+  static constexpr double kRing = 5;        ///< m, width of a ring
+  static constexpr std::size_t kRings = 9;  ///< the last one is all beyond 40 m: twice dense.max_range's default
 
-  /// Sets the vehicle's position, m in map. Queued tiles that are near it now move to the near group.
+  /// Sets the vehicle's position, m in map. Queued tiles that are nearer to it now move to a nearer ring.
   void set_position(double x, double y) {
     x_ = x;
     y_ = y;
-    for (const TileKey& key : far_) {
-      const auto waits = is_near_.find(key);
-      if (waits == is_near_.end() || waits->second || !is_near(key)) continue;
-      waits->second = true;
-      near_.push_back(key);
+    for (std::size_t ring = 1; ring < kRings; ++ring) {
+      for (const TileKey& key : rings_[ring]) {
+        const auto waits = ring_of_.find(key);
+        if (waits != ring_of_.end() && waits->second == ring) approach(key, waits->second);
+      }
     }
   }
-  void push(TileKey key) {
-    const auto [waits, is_new] = is_near_.try_emplace(key, is_near(key));
-    if (is_new) {
-      (waits->second ? near_ : far_).push_back(key);
-    } else if (!waits->second && is_near(key)) {
-      waits->second = true;
-      near_.push_back(key);
-    }
-  }
+  /// m from the vehicle to the tile's middle.
+  [[nodiscard]] double distance(TileKey key) const { return std::sqrt(squared_distance(key, x_, y_)); }
+  void push(TileKey key) { approach(key, ring_of_.try_emplace(key, kRings).first->second); }
   /// Removes and returns the next tile; nothing if the queue is empty.
   [[nodiscard]] std::optional<TileKey> pop() {
-    for (std::deque<TileKey>* queue : {&near_, &far_}) {
-      while (!queue->empty()) {
-        const TileKey key = queue->front();
-        queue->pop_front();
-        const auto waits = is_near_.find(key);
-        if (waits == is_near_.end() || waits->second != (queue == &near_)) continue;  // has moved to the other group
-        is_near_.erase(waits);
+    for (std::size_t ring = 0; ring < kRings; ++ring) {
+      while (!rings_[ring].empty()) {
+        const TileKey key = rings_[ring].front();
+        rings_[ring].pop_front();
+        const auto waits = ring_of_.find(key);
+        if (waits == ring_of_.end() || waits->second != ring) continue;  // has moved to a nearer ring
+        ring_of_.erase(waits);
         return key;
       }
     }
     return std::nullopt;
   }
   void clear() {
-    near_.clear();
-    far_.clear();
-    is_near_.clear();
+    for (std::deque<TileKey>& ring : rings_) ring.clear();
+    ring_of_.clear();
   }
 
  private:
-  [[nodiscard]] bool is_near(TileKey key) const { return squared_distance(key, x_, y_) < kNear * kNear; }
+  /// Moves the tile to the ring that it lies in, if that is nearer than its present one.
+  void approach(TileKey key, std::size_t& present) {
+    const double rings = distance(key) / kRing;
+    const std::size_t ring = rings < kRings - 1 ? static_cast<std::size_t>(rings) : kRings - 1;
+    if (ring >= present) return;
+    present = ring;
+    rings_[ring].push_back(key);
+  }
 
   double x_ = 0;
   double y_ = 0;
-  std::deque<TileKey> near_;
-  std::deque<TileKey> far_;
-  std::unordered_map<TileKey, bool, TileKeyHash> is_near_;  // of each queued tile: whether it is in the near group
+  std::array<std::deque<TileKey>, kRings> rings_;                  // may list tiles that have moved to a nearer one
+  std::unordered_map<TileKey, std::size_t, TileKeyHash> ring_of_;  // of each queued tile
 };
 
 }  // namespace curbstone::mapper

@@ -57,13 +57,15 @@ void DenseWorker::begin_free_space_removal() {
 
 void DenseWorker::start(const Work& to_clear, const Work& to_insert) {
   wait_inserted();
-  under_way_ = std::async(policy_, [this, to_clear, to_insert] {
+  under_way_ = std::async(policy_, [this, to_clear, move = std::exchange(pending_move_, std::nullopt), to_insert] {
     Result result;
     if (to_clear) clear_free_space(map_, *to_clear, T_base_lidar_, result.changed);
-    if (to_insert) {
-      grow(map_, *to_insert, result.changed);
-      result.grown = {map_.num_removals(), map_.is_moving()};
+    if (move) {
+      map_.move(*move);
+      result.changed = map_.keys();
     }
+    if (to_insert) grow(map_, *to_insert, result.changed);
+    if (move || to_insert) result.grown = {map_.num_removals(), map_.is_moving()};
     return result;
   });
 }
@@ -78,6 +80,7 @@ void DenseWorker::wait_inserted() {
 
 void DenseWorker::wait() {
   begin_free_space_removal();
+  if (pending_move_) start(nullptr, nullptr);
   wait_inserted();
 }
 
@@ -93,16 +96,17 @@ void DenseWorker::restore(TileKey key, std::int32_t z_origin, TileRecords record
   note_change();
 }
 
-void DenseWorker::move(const std::vector<Pose>& corrections) {
+void DenseWorker::move(std::vector<Pose> corrections) {
   wait();
-  map_.move(corrections);
-  note_change();
+  pending_move_ = std::move(corrections);
+  grown_ = {0, true};
 }
 
 void DenseWorker::roll_back(std::int64_t utime) {
   wait();
   map_.roll_back(utime);
   note_change();
+  note_all_changed();
 }
 
 std::vector<TileKey> DenseWorker::finish() {

@@ -62,10 +62,11 @@ class DenseWorker {
   /// Waits until all work is done, including free-space removal.
   void wait();
 
+  /// Moves the map with the next work, before its insertions, or with wait(). All tiles are then changed.
+  void move(std::vector<Pose> corrections);
   /// The following call DenseMap's functions of the same name. They wait until all work is done first.
   void load(TileKey key, std::int32_t z_origin, std::int64_t utime, const std::vector<TilePoint>& points);
   void restore(TileKey key, std::int32_t z_origin, TileRecords records, const Eigen::Vector3d& at);
-  void move(const std::vector<Pose>& corrections);
   void roll_back(std::int64_t utime);
   [[nodiscard]] std::vector<TileKey> finish();
 
@@ -107,6 +108,7 @@ class DenseWorker {
   std::launch policy_;
   std::future<Result> under_way_;
   Work pending_removal_;  // work whose free-space removal has not begun
+  std::optional<std::vector<Pose>> pending_move_;
   std::vector<TileKey> changed_;
   Grown grown_;
   Counters counters_;

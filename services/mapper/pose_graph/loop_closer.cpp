@@ -74,7 +74,7 @@ bool LoopCloser::bends_too_far(const std::vector<PoseEdge>& edges, const std::ve
 }
 
 std::optional<LoopCorrection> LoopCloser::solve(const Atlas& atlas, const LoopClosure& closure,
-                                                const Pose& T_map_base) {
+                                                const Pose& T_map_base) const {
   const int reference = atlas.reference();
   const Pose T_base_reference = T_map_base.inverse() * atlas.node(reference).T_map_base;
   LoopCorrection correction;
@@ -86,11 +86,7 @@ std::optional<LoopCorrection> LoopCloser::solve(const Atlas& atlas, const LoopCl
   std::vector<bool> fixed(before.size(), false);
   for (int id = 0; id < std::max(atlas.num_known(), 1); ++id) fixed[static_cast<std::size_t>(id)] = true;
   const PoseGraphResult solved = optimise_pose_graph(before, fixed, edges);
-  if (!solved.converged || bends_too_far(edges, solved.edge_sigma)) {
-    counters_.add("loops.refused");
-    return std::nullopt;
-  }
-  counters_.add("loops.closed");
+  if (!solved.converged || bends_too_far(edges, solved.edge_sigma)) return std::nullopt;
   for (std::size_t i = 0; i < before.size(); ++i) {
     correction.T_new_old.push_back(normalised(solved.poses[i] * before[i].inverse()));
   }

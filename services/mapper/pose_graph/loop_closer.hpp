@@ -38,7 +38,11 @@ class LoopCloser {
   /// Optimises the atlas's graph with the closure added; the vehicle is at T_map_base. Nothing if the closure
   /// contradicts the drive.
   [[nodiscard]] std::optional<LoopCorrection> solve(const Atlas& atlas, const LoopClosure& closure,
-                                                    const Pose& T_map_base);
+                                                    const Pose& T_map_base) const;
+  /// Counts what solve() returned, which may have been called on a copy.
+  void note_solved(const std::optional<LoopCorrection>& correction) {
+    counters_.add(correction ? "loops.closed" : "loops.refused");
+  }
   /// Whether the correction is large enough to rebuild the map.
   [[nodiscard]] bool is_significant(const LoopCorrection& correction, const Atlas& atlas) const;
 

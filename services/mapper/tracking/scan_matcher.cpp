@@ -49,8 +49,8 @@ ScanMatcher::ScanMatcher(const config::RegistrationConfig& config, const Vehicle
       own_body_(curbstone::own_body(vehicle)),
       registration_(registration::make_registration(config, T_base_lidar_.translation())) {}
 
-void ScanMatcher::clear_map() {
-  registration_ = registration::make_registration(config_, T_base_lidar_.translation());
+std::unique_ptr<registration::Registration> ScanMatcher::empty_map() const {
+  return registration::make_registration(config_, T_base_lidar_.translation());
 }
 
 void ScanMatcher::set_mount_yaw(double yaw) {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "common/config/vehicle.hpp"
@@ -45,7 +46,9 @@ class ScanMatcher {
 
   [[nodiscard]] registration::Registration& map() { return *registration_; }
   [[nodiscard]] const registration::Registration& map() const { return *registration_; }
-  void clear_map();
+  [[nodiscard]] std::unique_ptr<registration::Registration> empty_map() const;
+  void replace_map(std::unique_ptr<registration::Registration> map) { registration_ = std::move(map); }
+  void clear_map() { replace_map(empty_map()); }
   /// Sets how far the LiDAR has turned in its mount: `yaw`, rad, to the left of `vehicle.lidar`.
   void set_mount_yaw(double yaw);
 

@@ -226,10 +226,8 @@ void Tracker::relocate(const Pose& T_map_base) {
   tracking_state_.relocate();
 }
 
-void Tracker::rebuild(const std::vector<const scan::Keyframe*>& nodes, const Pose& T_map_base) {
-  matcher_.clear_map();
-  for (const scan::Keyframe* node : nodes) matcher_.map().insert_keyframe(*node);
-  (void)matcher_.map().keep_around(T_map_base.translation());
+void Tracker::replace_map(std::unique_ptr<registration::Registration> map, const Pose& T_map_base) {
+  matcher_.replace_map(std::move(map));
   last_->T_map_base = T_map_base;
   turns_.clear();
   scale_by_scans_.interrupt();

@@ -95,8 +95,10 @@ class Tracker {
   /// Continues the drive of another mapper: the vehicle is at `T_map_base` at `utime`, us, by odometry over `path` m
   /// since its last pose there. `twist`: its motion, for a first scan without odometry. Before the first scan.
   void resume(std::int64_t utime, const Pose& T_map_base, double path, const scan::Twist& twist = {});
-  /// Rebuilds the registration map from `nodes`, and sets the vehicle's pose in it.
-  void rebuild(const std::vector<const scan::Keyframe*>& nodes, const Pose& T_map_base);
+  /// A registration map of its method, to be filled for replace_map().
+  [[nodiscard]] std::unique_ptr<registration::Registration> empty_map() const { return matcher_.empty_map(); }
+  /// Replaces the registration map, and sets the vehicle's pose in it.
+  void replace_map(std::unique_ptr<registration::Registration> map, const Pose& T_map_base);
   /// Inserts a node's surroundings into the registration map again.
   void insert_keyframe(const scan::Keyframe& node) { matcher_.map().insert_keyframe(node); }
   /// Bounds the registration map once the vehicle has moved far enough. True if voxels outside the window were dropped.

@@ -30,7 +30,7 @@ namespace curbstone::mapper {
 namespace {
 
 constexpr double kTurn = 0.05;    // s
-constexpr int kOnceAround = 280;  // turns, until the loop is closed and the map has moved
+constexpr int kOnceAround = 300;  // turns, until the loop is closed and the map has moved
 
 std::int64_t at(double seconds) {
   return test::SyntheticWorld::kEpoch + std::llround(seconds * 1e6);

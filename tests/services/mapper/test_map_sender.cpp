@@ -34,6 +34,10 @@ class MapSenderTest : public testing::Test {
     bus.subscribe<map_trajectory_t>("MAP_TRAJECTORY", [this](const map_trajectory_t& m) { pages.push_back(m); });
     bus.subscribe<tile_index_t>("TILE_INDEX", [this](const tile_index_t& m) { index = m; });
   }
+  void start_epoch(std::int32_t epoch, const std::vector<TrajectoryPoint>& drive = {}) {
+    sender.start_epoch(epoch, {1, 1, 0}, drive);
+    sender.queue_tiles(map.keys());
+  }
   /// What goes out at once.
   std::vector<map_points_t> sent_at_once() { return sent_after(20'000); }
   /// What goes out so many us after the last time.
@@ -118,7 +122,7 @@ TEST_F(MapSenderTest, SendsMoreAfterALongerTimeButNoFlood) {
   const auto points_after = [&](std::int64_t us) {
     map = dense_map::DenseMap(config::DenseConfig{});
     for (int x = 0; x < 100; ++x) fill(map, {x, 0}, 1000);
-    sender.start_epoch(1, map, Eigen::Vector3d::Zero(), {});
+    start_epoch(1);
     int points = 0;
     for (const map_points_t& m : sent_after(us)) points += m.num_points;
     return points;
@@ -135,7 +139,7 @@ TEST_F(MapSenderTest, ANewEpochSendsAllOfTheMapNearestFirstAndTheDriveInPages) {
   for (const int x : {4, -2, 0}) fill(map, {x, 0}, 5);
   std::vector<TrajectoryPoint> drive;
   for (int i = 0; i < 1000; ++i) drive.push_back({kStart + i, i, Pose::Identity()});
-  sender.start_epoch(7, map, {1, 1, 0}, drive);
+  start_epoch(7, drive);
   std::vector<TileKey> order;
   for (const map_points_t& m : sent_at_once()) {
     EXPECT_EQ(m.epoch, 7);
@@ -152,7 +156,7 @@ TEST_F(MapSenderTest, ANewEpochSendsAllOfTheMapNearestFirstAndTheDriveInPages) {
 
 TEST_F(MapSenderTest, WhatIsSeenForTheFirstTimeDoesNotWaitBehindAMapThatGoesOutAnew) {
   for (int x = 20; x < 200; ++x) fill(map, {x, 0}, 1000);
-  sender.start_epoch(1, map, Eigen::Vector3d::Zero(), {});
+  start_epoch(1);
   (void)sent_at_once();
   fill(map, {2, 0}, 10);
   sender.queue_tiles({{2, 0}});
@@ -165,7 +169,7 @@ TEST_F(MapSenderTest, WhatIsSeenForTheFirstTimeDoesNotWaitBehindAMapThatGoesOutA
 TEST_F(MapSenderTest, WhatTheVehicleComesNearToGoesBeforeTheRest) {
   (void)sent_at_once();
   for (int x = 20; x < 200; ++x) fill(map, {x, 0}, 1000);
-  sender.start_epoch(1, map, Eigen::Vector3d::Zero(), {});
+  start_epoch(1);
   sender.send_index(now, {540, 0, 0});
   std::vector<TileKey> order;
   for (const map_points_t& m : sent_at_once()) order.push_back(key_of(m));
@@ -221,7 +225,7 @@ TEST_F(MapSenderTest, AnnouncesTheDriveAndSaysAPageOfItAgain) {
   bus.subscribe<tile_index_t>("TILE_INDEX", [&](const tile_index_t& m) {
     if (m.channel == "MAP_TRAJECTORY") of_drive = m;
   });
-  sender.start_epoch(7, map, {0, 0, 0}, {});
+  start_epoch(7);
   for (int i = 0; i < 10; ++i) sender.add_pose({kStart + i * 50'000, i, Pose::Identity()});
   sender.send_index(kStart, {0, 0, 0});
   bus.dispatch();

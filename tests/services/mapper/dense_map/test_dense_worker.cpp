@@ -67,6 +67,32 @@ TEST_P(WorkOnTheMap, NothingIsUnderWayAtFirstAndWaitingTwiceIsNothing) {
   EXPECT_EQ(worker_.num_removals(), 0);
 }
 
+TEST_P(WorkOnTheMap, MovesWithTheNextScanBesideTheCaller) {
+  const std::vector<Pose> corrections{Pose(Eigen::Translation3d(0.5, 0.2, 0))};
+  DenseMap expected(config_);
+  expected.set_anchor(0);
+  for (int i = 0; i < 5; ++i) expected.insert(*ground(5), Pose::Identity(), kStart + i * kPeriod);
+  grow(5);
+  worker_.wait();
+  ASSERT_EQ(worker_.map().keys(), expected.keys());
+  (void)worker_.take_changed();
+
+  worker_.move(corrections);
+  EXPECT_TRUE(worker_.is_moving());
+  EXPECT_EQ(worker_.grown().size(), expected.size()) << "not in the call itself";
+  expected.move(corrections);
+  grow(1);
+  expected.insert(*ground(5), Pose::Identity(), kStart + 5 * kPeriod);
+  worker_.wait_inserted();
+  EXPECT_FALSE(worker_.is_moving());
+  ASSERT_EQ(worker_.grown().keys(), expected.keys());
+  const std::vector<TileKey> changed = worker_.take_changed();
+  for (const TileKey& key : expected.keys()) {
+    EXPECT_EQ(worker_.grown().tile(key)->read()->points(), expected.tile(key)->read()->points());
+    EXPECT_NE(std::find(changed.begin(), changed.end(), key), changed.end());
+  }
+}
+
 TEST_P(WorkOnTheMap, EveryTileThatChangesIsReported) {
   grow(5);
   grow(5, 11);
@@ -83,7 +109,8 @@ TEST_P(WorkOnTheMap, EveryTileThatChangesIsReported) {
 TEST_P(WorkOnTheMap, ComesBeforeTheMapIsChanged) {
   grow(5);
   worker_.move({Pose(Eigen::Translation3d(0, 0, 5))});
-  const DenseMap& moved = worker_.map();  // nothing is left to wait for
+  worker_.wait();
+  const DenseMap& moved = worker_.map();
   ASSERT_GT(moved.size(), 1000);
   for (const Eigen::Vector3d& p : all_points(moved)) EXPECT_NEAR(p.z(), 5.01, 0.01);
   worker_.roll_back(kStart - 2'000'000);

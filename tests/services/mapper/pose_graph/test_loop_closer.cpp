@@ -102,6 +102,7 @@ TEST_F(OnceRound, TheLoopIsClosedAndTheDrivePutRight) {
   const Pose& last = correction->T_new_old[static_cast<std::size_t>(drive_.atlas.reference())];
   EXPECT_LT((last * drive_.T_map_base.translation() - truth.translation()).norm(), 0.3);
   EXPECT_TRUE(correction->T_new_old.front().isApprox(Pose::Identity())) << "the beginning stays where it is";
+  drive_.closer.note_solved(correction);
   EXPECT_EQ(drive_.closer.counters()["loops.closed"], 1);
   EXPECT_FALSE(drive_.atlas.edges().back().closes_loop) << "adds nothing itself";
   EXPECT_TRUE(correction->loop.closes_loop);
@@ -120,7 +121,9 @@ TEST_F(OnceRound, AClosureThatContradictsTheDriveIsRefused) {
   wrong.node = 10;
   wrong.T_node_base = test::pose(40, 30, 0, 0, 0, 2);
   wrong.covariance = 1e-4 * registration::Matrix6::Identity();
-  EXPECT_FALSE(drive_.closer.solve(drive_.atlas, wrong, drive_.T_map_base));
+  const auto correction = drive_.closer.solve(drive_.atlas, wrong, drive_.T_map_base);
+  EXPECT_FALSE(correction);
+  drive_.closer.note_solved(correction);
   EXPECT_EQ(drive_.atlas.edges().size(), edges);
   EXPECT_EQ(drive_.closer.counters()["loops.refused"], 1);
 }
