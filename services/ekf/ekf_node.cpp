@@ -27,7 +27,6 @@ EkfNode::EkfNode(const base::EkfConfig& config, Publisher& publisher)
     : config_(config),
       publisher_(publisher),
       sent_(publisher, "ODOMETRY"),
-      clock_(microseconds(config.timing.max_jump)),
       sequencer_(config),
       increments_(config.map),
       accelerometer_(config.vehicle.wheel_radius),
@@ -76,8 +75,8 @@ void EkfNode::on(const imu_t& message) {
   const std::int64_t offset_before = clock_.offset();
   const std::optional<std::int64_t> utime =
       clock_.add(inputs::RunningClock::Sensor::kImu, message.utime, message.sequence);
-  if (!utime) return;
   if (clock_.offset() != offset_before) increments_.interrupt();
+  if (!utime) return;
   if (clock_.offset() > offset_before) sequencer_.drop_wheels_after(*utime + inputs::RunningClock::kMinLeap);
   base::ImuSample sample = sample_of(message);
   sample.utime = imu_stamps_.add(*utime, message.sequence);
@@ -101,10 +100,12 @@ void EkfNode::on(const wheels_t& message) {
   wheels_.heard = message.utime;
   wheels_.silence.heard();
   last_wheels_ = message;
-  const std::optional<std::int64_t> utime =
-      clock_.add(inputs::RunningClock::Sensor::kWheels, message.utime, message.sequence);
-  if (!utime) return;
   base::WheelSample sample = sample_of(message);
+  const std::int64_t offset_before = clock_.offset();
+  const std::optional<std::int64_t> utime =
+      clock_.add(inputs::RunningClock::Sensor::kWheels, message.utime, message.sequence, sample.angle);
+  if (clock_.offset() != offset_before) increments_.interrupt();
+  if (!utime) return;
   sample.utime = *utime;
   sequencer_.push(sample);
   process_due();

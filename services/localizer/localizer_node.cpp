@@ -165,22 +165,42 @@ tracking::Motion LocalizerNode::motion_to(const mapper::scan::Scan& scan) {
   tracking::Motion motion;
   motion.seconds = mapper::scan::seconds(last_end_, scan.end);
   if (motion.seconds == 0) return motion;
-  if (odometry_.covers(std::min(last_end_, scan.end), scan.end)) {
+  if (motion.seconds > 0 && odometry_.covers(last_end_, scan.end)) {
     motion.T_last_base = odometry_.at(last_end_).inverse() * odometry_.at(scan.end);
     const double stride = std::max(motion.seconds, 0.02);
-    if (motion.seconds > 0 && motion.T_last_base.translation().norm() <= kMaxSpeed * stride &&
+    if (motion.T_last_base.translation().norm() <= kMaxSpeed * stride &&
         angle_of(motion.T_last_base) <= kMaxTurn * stride) {
       twist_ = mapper::scan::twist_of(motion.T_last_base, motion.seconds);
+      bridge_.follow(odometry_.at(scan.end), twist_, motion.seconds);
       return motion;
     }
     counters_.add("odometry.incredible");
+  } else if (const auto over_step = motion_over_clock_step(scan)) {
+    counters_.add("revolutions.over_clock_step");
+    motion.T_last_base = *over_step;
+    motion.seconds = bridge_.stride();
+    twist_ = bridge_.twist();
+    return motion;
   }
+  bridge_.coast(motion.seconds);
   counters_.add("revolutions.without_odometry");
   if (std::abs(motion.seconds) > kSteadyFor) counters_.add("gaps");
   motion.with_odometry = false;
   motion.T_last_base = mapper::scan::move(twist_, std::clamp(motion.seconds, 0.0, kSteadyFor));
   motion.seconds = std::abs(motion.seconds);
   twist_ = {};
+  return motion;
+}
+
+/// Before its first sample after the step, odometry is where its motion came from.
+std::optional<Pose> LocalizerNode::motion_over_clock_step(const mapper::scan::Scan& scan) {
+  const bool is_there = odometry_.covers(scan.end, scan.end);
+  const mapper::scan::OdometrySample* next = is_there ? nullptr : odometry_.soon_after(scan.end);
+  if (!is_there && next == nullptr) return std::nullopt;
+  const Pose T_odom_end = is_there ? odometry_.at(scan.end)
+                                   : bridge_.before(next->T_odom_base, mapper::scan::seconds(scan.end, next->utime));
+  const std::optional<Pose> motion = bridge_.motion_to(T_odom_end, mapper::scan::seconds(last_end_, scan.end));
+  if (motion) bridge_.follow(T_odom_end, bridge_.twist(), bridge_.stride());
   return motion;
 }
 

@@ -11,6 +11,7 @@
 #include "common/shell/latency.hpp"
 #include "services/localizer/localizer_config.hpp"
 #include "services/localizer/search/global_localizer.hpp"
+#include "services/localizer/tracking/clock_step_bridge.hpp"
 #include "services/localizer/tracking/pose_tracker.hpp"
 #include "services/localizer/tracking/thinned_scan.hpp"
 #include "services/mapper/scan/lidar_clock.hpp"
@@ -46,6 +47,7 @@ class LocalizerNode final : public Node {
   void process(const mapper::scan::Scan& scan);
   void begin(const mapper::scan::Scan& scan);
   [[nodiscard]] tracking::Motion motion_to(const mapper::scan::Scan& scan);
+  [[nodiscard]] std::optional<Pose> motion_over_clock_step(const mapper::scan::Scan& scan);
   [[nodiscard]] std::unique_ptr<tracking::PoseTracker> tracker_from(const tracking::PoseBelief& start) const;
   void search_globally(const mapper::scan::Scan& scan, const std::vector<Eigen::Vector3d>& points,
                        const tracking::Motion& motion);
@@ -77,6 +79,7 @@ class LocalizerNode final : public Node {
   std::int64_t lidar_time_ = 0;  // us, newest LIDAR_POINTS
   std::int64_t last_end_ = 0;    // us, end of the last revolution processed
   mapper::scan::Twist twist_;    // over the last two revolutions
+  tracking::ClockStepBridge bridge_;
   LatencyWindow latency_;
   Counters counters_;
 };

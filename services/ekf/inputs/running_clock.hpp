@@ -14,8 +14,10 @@ namespace curbstone::ekf::inputs {
 /// A sample whose sequence number continues the last one's and whose stamp goes back by more than kMinLeap comes from a
 /// clock that was set. The step is accepted after kConfirmations samples in a row that agree; until then the samples
 /// are dropped. A step forward may also come from a sensor that was silent and whose driver continues its sequence
-/// numbers. So there both sensors must leap, by the same amount and at the same time; IMU samples after a leap wait
-/// kPatience for the wheels' leap. Steps of more than `max_jump` are left to StampGuard.
+/// numbers. So there both sensors must leap, by the same amount and at the same time, and the wheels must not have
+/// turned on meanwhile; IMU samples after a leap wait kPatience for the wheels' leap.
+///
+/// The output stays on the clock that both sensors share: if that of one alone is set, the other one's goes on.
 ///
 /// A function of the two channels' sequences. Pure; one thread; us.
 class RunningClock {
@@ -24,11 +26,12 @@ class RunningClock {
   static constexpr std::int64_t kMinLeap = 100'000;
   static constexpr int kConfirmations = 3;
   static constexpr std::int64_t kPatience = 100'000;
+  static constexpr int kSilent = 100;  ///< samples of one sensor, after which the other one does not count
 
-  explicit RunningClock(std::int64_t max_jump) : max_jump_(max_jump) {}
-
-  /// Returns the sample's stamp without steps; nothing if the sample is to be dropped.
-  [[nodiscard]] std::optional<std::int64_t> add(Sensor sensor, std::int64_t utime, std::int32_t sequence);
+  /// Returns the sample's stamp without steps; nothing if the sample is to be dropped. `angles`: rad, of both wheels,
+  /// in their samples.
+  [[nodiscard]] std::optional<std::int64_t> add(Sensor sensor, std::int64_t utime, std::int32_t sequence,
+                                                const std::array<double, 2>& angles = {});
   /// Offset to add to an output stamp to get a stamp of the host's present clock.
   [[nodiscard]] std::int64_t offset() const { return offset_; }
   /// Counters: clock_set.*, dropped.clock_set.*
@@ -42,16 +45,23 @@ class RunningClock {
     std::int64_t period = 0;
     std::int64_t offset = 0;
     std::int64_t leap = 0, leapt_to = 0;                  // forward, between consecutive samples
+    std::optional<std::int64_t> before_leap = {};         // `last` before it, until the next sample
     std::optional<std::int64_t> first = {}, newest = {};  // of the samples that may have a new clock
     int agreeing = 0;
+    int alone = 0;  // samples since the other sensor's last
   };
+  std::optional<std::int64_t> take(Channel& own, Channel& other, std::int64_t utime, std::int32_t sequence,
+                                   double turned);
   [[nodiscard]] static bool have_both_leapt(const Channel& own, const Channel& other, std::int64_t leap);
+  /// Whether this leap brings the sensors' clocks together again.
+  [[nodiscard]] static bool ends_difference(const Channel& own, const Channel& other, std::int64_t leap);
   std::optional<std::int64_t> check_step(Channel& own, Channel& other, std::int64_t utime, bool continues);
 
   static constexpr std::int64_t kSame = 50'000;  // us, tolerance between the steps of two sensors
-  std::int64_t max_jump_;
   std::array<Channel, 2> channels_{Channel{.name = "imu"}, Channel{.name = "wheels"}};
   std::int64_t offset_ = 0;
+  std::array<double, 2> angles_ = {};  // rad, of the wheels' last sample
+  double turn_ = 0.0;                  // rad, the most between two samples, lately
   Counters counters_;
 };
 

@@ -189,6 +189,12 @@ bool OdometryHistory::with_gyro(std::int64_t from, std::int64_t to) const {
   return all(from, to, &OdometrySample::with_gyro);
 }
 
+const OdometrySample* OdometryHistory::soon_after(std::int64_t utime) const {
+  const std::size_t next = lower_bound(utime + 1);
+  if (next >= num_known() || samples_[next].utime - utime > kMaxGap) return nullptr;
+  return samples_[next].usable ? &samples_[next] : nullptr;
+}
+
 std::int64_t OdometryHistory::longest_step(std::int64_t from) const {
   std::int64_t longest = 0;
   const std::size_t known = num_known();
@@ -198,6 +204,7 @@ std::int64_t OdometryHistory::longest_step(std::int64_t from) const {
 }
 
 void OdometryHistory::forget_before(std::int64_t utime) {
+  if (utime > newest()) return;
   while (samples_.size() > 1 && samples_[1].utime <= utime) samples_.pop_front();
 }
 

@@ -74,6 +74,8 @@ class OdometryHistory {
   /// The pose at a covered time: position is interpolated linearly, attitude by slerp; beyond the last sample the
   /// motion of the last few is extrapolated.
   [[nodiscard]] Pose at(std::int64_t utime) const;
+  /// The first sample after `utime`, usable, that comes within kMaxGap; null if there is none.
+  [[nodiscard]] const OdometrySample* soon_after(std::int64_t utime) const;
   /// Whether the filter reports a standstill throughout a covered interval.
   [[nodiscard]] bool stationary(std::int64_t from, std::int64_t to) const;
   /// Whether wheels and gyro agreed on the turn throughout a covered interval.
@@ -82,7 +84,8 @@ class OdometryHistory {
   [[nodiscard]] bool with_gyro(std::int64_t from, std::int64_t to) const;
   /// us, the longest interval between two samples of which the later one lies after `from`; 0: there is none.
   [[nodiscard]] std::int64_t longest_step(std::int64_t from) const;
-  /// Drops what is not needed for times from `utime` on.
+  /// Drops what is not needed for times from `utime` on. Nothing if that is later than the newest sample: then it is a
+  /// time of the clock before this one.
   void forget_before(std::int64_t utime);
 
  private:

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <initializer_list>
 #include <random>
 #include <thread>
 
@@ -13,6 +14,8 @@
 
 namespace curbstone::ekf {
 namespace {
+
+constexpr std::int64_t kHour = 3'600'000'000;  // us
 
 TEST_F(EkfNodeTest, PublishesOneOdometryAndOnePoseForEveryImuSample) {
   Rig rig(config_);
@@ -225,11 +228,13 @@ TEST_F(EkfNodeTest, LateStampsOfTheImuAreStraightenedAndRegularOnesKept) {
 }
 
 /// Half a second at 3 m/s was 1.5 m, and a turn. What is said is as if nothing had been, with stamps of the new clock.
-TEST_F(EkfNodeTest, AClockThatIsSetByLessThanASecondMovesNothing) {
+TEST_F(EkfNodeTest, AClockThatIsSetMovesNothing) {
   Rig good(config_);
   for (std::size_t i = 0; i < drive_.imu.size(); ++i) send(good, i);
   good.finish();
-  for (const std::int64_t step : {-900'000, -500'000, -150'000, 150'000, 500'000, 900'000}) {
+  for (const std::int64_t step :
+       std::initializer_list<std::int64_t>{-kHour, -2'000'000, -900'000, -500'000, -150'000, 150'000, 500'000, 900'000,
+                                           2'000'000, kHour, 70'000 * kHour}) {
     Rig rig(config_);
     for (std::size_t i = 0; i < drive_.imu.size(); ++i) {
       base::WheelSample wheels = drive_.wheels[i];
@@ -249,7 +254,25 @@ TEST_F(EkfNodeTest, AClockThatIsSetByLessThanASecondMovesNothing) {
     const NodeReport report = rig.node.report();
     EXPECT_EQ(report.counters["clock_set.imu"], 1);
     EXPECT_EQ(report.counters["reset.clock"], 0);
+    EXPECT_EQ(report.counters["level.lost"], 0);
+    EXPECT_TRUE(report.faults.empty()) << report.faults.front();
   }
+}
+
+/// The vehicle was driven on meanwhile: a clock that was set would leave it where it was.
+TEST_F(EkfNodeTest, SensorsThatWereBothSilentForSecondsAreNoClockThatWasSet) {
+  Rig rig(config_);
+  for (std::size_t i = 0; i < drive_.imu.size(); ++i) {
+    if (i >= 1000 && i < 1300) continue;
+    const auto number = static_cast<std::int32_t>(i < 1000 ? i : i - 300);
+    rig.send("WHEELS", message_of(drive_.wheels[i], number));
+    rig.send("IMU", message_of(drive_.imu[i], number));
+  }
+  rig.finish();
+  const NodeReport report = rig.node.report();
+  EXPECT_EQ(report.counters["clock_set.imu"], 0);
+  EXPECT_GE(report.counters["reset.clock"], 1);
+  EXPECT_EQ(rig.odometry.back().utime, drive_.imu.back().utime);
 }
 
 }  // namespace

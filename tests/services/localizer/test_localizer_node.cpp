@@ -63,6 +63,46 @@ TEST_F(LocalizerOnAYard, WhereTheLidarsClockAloneIsSetBackThePoseGoesOn) {
   EXPECT_THAT(node_->report().faults, Contains(HasSubstr("LiDAR: its clock was set 2.00 s back")));
 }
 
+/// All sensors' stamps leap, and nothing has moved. Odometry's filter drops some samples to be sure of it.
+TEST_F(LocalizerOnAYard, WhereTheHostsClockIsSetThePoseGoesOn) {
+  for (const std::int64_t dropped : {0, 120'000}) {
+    for (const std::int64_t step : {-3'600'000'000LL, -2'000'000LL, 2'000'000LL, 7'200'000'000LL}) {
+      step_ = 0.12;
+      bend_ = 0.1;
+      clock_ = kStart;
+      heard_ = kStart - 50'000;
+      seen_ = 0;
+      poses_.clear();
+      begin();
+      drive_until(50);
+      ASSERT_FALSE(lost());
+      clock_ += step;
+      heard_ = clock_ + seen_ * kRevolution + 10'000 + dropped;
+      drive_until(60);  // odometry's history and the packets wait until the new clock is certain
+      for (int until = 61; until < 100; ++until) {
+        drive_until(until);
+        EXPECT_FALSE(lost()) << until;
+        EXPECT_LT(error(), 0.1) << until;
+      }
+      for (const map_pose_t& pose : poses_)
+        EXPECT_FALSE(pose.revolution > 20 && (pose.flags & map_pose_t::LOST) != 0) << step << ' ' << pose.revolution;
+      EXPECT_GE(poses_.size(), 97U);
+    }
+  }
+}
+
+/// As a silence of both sensors is, from which nobody knows how far the vehicle has driven.
+TEST_F(LocalizerOnAYard, AfterASilenceOfBothSensorsItIsLost) {
+  step_ = 0.12;
+  begin();
+  drive_until(50);
+  ASSERT_FALSE(lost());
+  seen_ += 40;
+  heard_ = clock_ + seen_ * kRevolution;
+  drive_until(seen_ + 3);
+  EXPECT_TRUE(lost());
+}
+
 TEST_F(LocalizerOnAYard, FindsItselfWithNothingKnown) {
   in_an_open_yard();
   begin_ = test_yard::pose_at(-8, -1, 0.2);

@@ -244,6 +244,16 @@ TEST(OdometryHistory, ForgetsWhatIsNotNeeded) {
   EXPECT_TRUE(history.covers(kStart + 505'000, kStart + 600'000));
 }
 
+/// The last scan before the clock was set back is processed after odometry has followed.
+TEST(OdometryHistory, ATimeOfTheClockBeforeForgetsNothing) {
+  OdometryHistory history = history_of(100);
+  history.forget_before(kStart + 3'000'000);
+  EXPECT_TRUE(history.covers(kStart + 505'000, kStart + 600'000));
+  EXPECT_EQ(history.soon_after(kStart - 500'000), nullptr);
+  ASSERT_NE(history.soon_after(kStart - 100'000), nullptr);
+  EXPECT_EQ(history.soon_after(kStart - 100'000)->utime, kStart);
+}
+
 TEST(OdometryHistory, TurnIsConfirmedWhereTheFilterSaysSoAllThrough) {
   OdometryHistory history;
   for (int i = 0; i < 30; ++i) {
