@@ -55,10 +55,6 @@ std::vector<Fault> imu_range_faults() {
                }),
       imu_with("acceleration without gravity", "the device takes gravity out", kFrom,
                [](double, auto& m) { m.acceleration[2] -= 9.80665; }),
-      imu_with("accelerometer 5 % large", "the accelerations are 5 % too large", kFrom,
-               [](double, auto& m) {
-                 for (double& acceleration : m.acceleration) acceleration *= 1.05;
-               }),
       imu_with("accelerometer leaps", "the bias ahead leaps by 1 m/s^2", kOnTheWay, more(1.0, false, 0)),
       imu_with("accelerometer leaps up", "the bias upwards leaps by 2 m/s^2", kOnTheWay, more(2.0, false, 2)),
       imu_with("gyro leaps about ahead", "the bias about ahead leaps by 0.1 rad/s", kOnTheWay, more(0.1, true, 0)),
@@ -81,13 +77,6 @@ std::vector<Fault> imu_range_faults() {
                  if (!held) held = m;
                  std::copy(std::begin(held->angular_rate), std::end(held->angular_rate), std::begin(m.angular_rate));
                }),
-      imu_with("IMU at half rate", "every other sample is missing, by number too", kOnTheWay,
-               [n = 0](double, auto& m) mutable {
-                 m.sequence /= 2;
-                 return ++n % 2 == 0;
-               }),
-      imu_with("IMU gaps of 0.3 s", "nothing for 0.3 s in each 2 s", kOnTheWay,
-               [](double t, auto&) { return std::fmod(t, 2.0) >= 0.3; }),
       imu_with("IMU in TAI", "stamps are 37 s ahead", kFrom, [](double, auto& m) { m.utime += 37'000'000; }),
   };
 }

@@ -81,8 +81,6 @@ std::vector<Fault> lidar_laser_faults() {
                   kFromTheBeginning, taken_as(kByFiring)),
       lidar_fault("ranges in steps of 1 cm for 0.5 cm", "every range is twice as long: the unit is another firmware's",
                   kFromTheBeginning, shots(-1, [](Shot& shot) { shot.range *= 2.0; })),
-      lidar_fault("ranges 2 % long", "every range is 2 % too long", kFromTheBeginning,
-                  shots(-1, [](Shot& shot) { shot.range *= 1.02; })),
       lidar_fault("azimuths damaged", "1 packet in 100 looks in another direction", kOnTheWay,
                   [random = Random(1)](double, auto& m) mutable {
                     const double by = radians(random.uniform(20, 340));

@@ -45,8 +45,6 @@ Fault turning_ground(std::string name, std::string words, double rate, double en
 
 std::vector<Fault> people_and_lorries() {
   return {
-      things("walks beside", "somebody walks along on the right, 1.5 m away", kOnTheWay,
-             [](double t) { return Boxes{person(0.4 * std::sin(t), -1.5)}; }),
       things("crowd", "twelve people walk round the vehicle, 2 to 6 m away", kOnTheWay,
              [](double t) {
                Boxes people;

@@ -82,13 +82,6 @@ std::vector<Fault> weather_faults() {
          });
          return changes;
        }},
-      lidar_fault("dust behind", "a cloud 1 to 5 m behind the vehicle", kOnTheWay,
-                  [random = Random(1)](double, auto& m) mutable {
-                    move_points(m, [&](Seen& p, std::size_t) {
-                      if (std::abs(azimuth_degrees(p)) > 145.0 && random.chance(0.7))
-                        set_range(p, std::min(p.norm(), random.uniform(1.0, 5.0)));
-                    });
-                  }),
       lidar_fault("sun", "30 deg of the view are noise, where the sun stands low", kOnTheWay,
                   [random = Random(1)](double, auto& m) mutable {
                     move_points(m, [&](Seen& p, std::size_t) {

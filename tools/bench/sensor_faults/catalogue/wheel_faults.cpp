@@ -1,6 +1,5 @@
 #include "tools/bench/sensor_faults/catalogue/fault_lists.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -178,10 +177,6 @@ std::vector<Fault> wheels_failing() {
 std::vector<Fault> wheels_on_the_road() {
   constexpr double kFrom = kFromTheBeginning;
   return {
-      wheels("right wheel 5 % small", "it turns 5 % faster: another tyre, from the beginning", kFrom,
-             of_another_size([](int wheel) { return wheel == 1 ? 1.05 : 1.0; })),
-      wheels("both wheels 5 % small", "both turn 5 % faster than vehicle.wheel_radius says", kFrom,
-             of_another_size([](int) { return 1.05; })),
       wheels("gear ratio x 10", "the encoder is on the motor's side: ten times the way", kFrom,
              of_another_size([](int) { return 10.0; })),
       wheels("right counts double", "the right encoder counts both edges: twice the way", kFrom,
@@ -192,8 +187,6 @@ std::vector<Fault> wheels_on_the_road() {
              turning([](double t, int) { return std::fmod(t, 10.0) < 1.5 ? 0.0 : 1.0; })),
       wheels("left wheel slides now and then", "it stands still for 1 s in each 5 s", kOnTheWay,
              turning([](double t, int wheel) { return wheel == 0 && std::fmod(t, 5.0) < 1.0 ? 0.0 : 1.0; })),
-      wheels("belt slips", "the left encoder turns 10 % less for 10 s in each 20 s", kOnTheWay,
-             turning([](double t, int wheel) { return wheel == 0 && std::fmod(t, 20.0) < 10.0 ? 0.9 : 1.0; })),
       wheels("counts begin again", "both counts are 0 again each 10 s: the drive's controller restarts", kOnTheWay,
              [first = std::optional<wheels_t>()](double t, auto& m) mutable {
                if (!first || std::fmod(t, 10.0) < 0.011) first = m;
@@ -223,18 +216,6 @@ std::vector<Fault> wheels_on_the_road() {
                  m.speed[wheel] = held->speed[wheel];
                }
              }),
-      wheels("backlash", "a tenth of a radian of play between wheel and encoder", kFrom,
-             [play = std::array<double, 2>{}, begun = false](double, auto& m) mutable {
-               for (int wheel = 0; wheel < 2; ++wheel) {
-                 double& held = play[static_cast<std::size_t>(wheel)];
-                 if (!begun) held = m.angle[wheel] - 0.05;
-                 held = std::clamp(held, m.angle[wheel] - 0.1, m.angle[wheel]);
-                 m.angle[wheel] = held;
-               }
-               begun = true;
-             }),
-      wheels("gaps of 0.5 s in the wheels", "nothing for 0.5 s in each 2 s", kOnTheWay,
-             [](double t, auto&) { return std::fmod(t, 2.0) >= 0.5; }),
       wheels("wheels in TAI", "stamps are 37 s ahead", kFrom, [](double, auto& m) { m.utime += 37'000'000; }),
   };
 }
