@@ -30,6 +30,14 @@ std::string in_words(mounting::MountingWatch::Verdict verdict, const mounting::M
       return fmt::format(
           "IMU: its mean acceleration is {:.2f} m/s^2, which is not gravity, and it is not used: another unit?",
           *mounting.wrong_gravity());
+    case Verdict::kLeans: {
+      const Eigen::Vector2d lean = *mounting.leans() * (180 / std::numbers::pi);
+      return fmt::format(
+          "IMU: by gravity the vehicle leans all along, by {:.0f} deg to the {} and {:.0f} deg {}, and the map leans "
+          "with it: correct roll, pitch of vehicle.imu. Or is it on a slope?",
+          std::abs(lean.x()), lean.x() > 0 ? "right" : "left", std::abs(lean.y()),
+          lean.y() > 0 ? "backwards" : "forwards");
+    }
     case Verdict::kWheelsCountBackwards:
       return "WHEELS: both count backwards: correct invert_left and invert_right";
     case Verdict::kTurnsOpposite:

@@ -83,11 +83,13 @@ void MountingWatch::add(const base::WheelSample& sample) {
   const double right = radius_ * (sample.angle[1] - begin_->angle[1]) / seconds;
   const Eigen::Vector3d force = force_sum_ / imu_samples_;
   const Eigen::Vector3d rate = rate_sum_ / imu_samples_;
-  check({seconds, 0.5 * (left + right), (right - left) / track_, rate.z(), rate.head<2>(), force.head<2>()});
+  check({seconds, 0.5 * (left + right), (right - left) / track_, rate.z(), rate.head<2>(), force.head<2>(), force.z()});
   restart_interval(sample);
 }
 
 void MountingWatch::check(const Interval& interval) {
+  lean_.add(interval.seconds, {interval.force.x(), interval.force.y(), interval.up}, interval.speed,
+            std::max(std::abs(interval.gyro_rate), std::abs(interval.wheel_rate)));
   check_turn(interval);
   check_sense(interval);
   check_gyro_up(interval);
@@ -202,6 +204,7 @@ std::vector<MountingWatch::Verdict> MountingWatch::verdicts() const {
   std::vector<Verdict> verdicts;
   if (wrong_up()) verdicts.push_back(Verdict::kWrongUp);
   if (wrong_gravity()) verdicts.push_back(Verdict::kWrongGravity);
+  if (leans() && verdicts.empty()) verdicts.push_back(Verdict::kLeans);
   if (wheels_count_backwards()) {
     verdicts.push_back(Verdict::kWheelsCountBackwards);
     return verdicts;

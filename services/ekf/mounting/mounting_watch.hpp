@@ -8,6 +8,7 @@
 
 #include "common/config/vehicle.hpp"
 #include "services/ekf/base/samples.hpp"
+#include "services/ekf/mounting/mean_lean.hpp"
 #include "services/ekf/mounting/setting_off.hpp"
 #include "services/ekf/mounting/turn_scale.hpp"
 
@@ -18,7 +19,7 @@ namespace curbstone::ekf::mounting {
 /// or itself for drifting.
 ///
 /// - Gravity: averaged over kGravityMemory the specific force points up, and is as large as gravity. No vehicle drives
-///   tilted by kMaxTilt, and no bend looks like it.
+///   tilted by kMaxTilt, and no bend looks like it. Less than that shows in the mean of a drive (MeanLean).
 /// - Turn: the wheels' yaw rate is a multiple of the gyro's (TurnFit). If the multiple is about -1 in two consecutive
 ///   stretches of turning, and explains what the speed does not, then left and right are swapped, both wheels count
 ///   backwards, or the gyro's sign is wrong. If it stays at another value than 1, the track width or the gyro's scale
@@ -47,6 +48,7 @@ class MountingWatch {
   enum class Verdict {
     kWrongUp,               ///< wrong_up()
     kWrongGravity,          ///< wrong_gravity()
+    kLeans,                 ///< leans(), not with either of the above
     kWheelsCountBackwards,  ///< wheels_count_backwards(): nothing below is said then
     kTurnsOpposite,         ///< turns_opposite()
     kMirrored,              ///< mirrored()
@@ -71,6 +73,8 @@ class MountingWatch {
   [[nodiscard]] bool may_have_wrong_up() const;
   /// m/s^2, mean of the specific force if it is not gravity: another unit, or a broken accelerometer.
   [[nodiscard]] std::optional<double> wrong_gravity() const;
+  /// rad, to the right and backwards, by which the vehicle leans all along, as no street does.
+  [[nodiscard]] std::optional<Eigen::Vector2d> leans() const { return lean_.wrong(); }
 
   // The checks below report only while gravity points up as configured.
 
@@ -117,6 +121,7 @@ class MountingWatch {
     double gyro_rate = 0.0;                                // rad/s
     Eigen::Vector2d level_rate = Eigen::Vector2d::Zero();  // rad/s, about x and y
     Eigen::Vector2d force = Eigen::Vector2d::Zero();       // m/s^2
+    double up = 0.0;                                       // m/s^2, likewise
   };
   [[nodiscard]] bool gravity_points_aside() const;
   void restart_interval(const base::WheelSample& sample);
@@ -136,6 +141,7 @@ class MountingWatch {
   double gravity_seconds_ = 0.0;
   Eigen::Vector3d gravity_ = Eigen::Vector3d::Zero();  // m/s^2, base_link: mean specific force
   bool tilted_ = false;
+  MeanLean lean_;
 
   std::optional<base::WheelSample> begin_;
   int imu_samples_ = 0;  // in the current interval, with their sums

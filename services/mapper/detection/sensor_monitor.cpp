@@ -2,6 +2,12 @@
 
 namespace curbstone::mapper::detection {
 
+namespace {
+
+constexpr double kCompareEvery = 1.0;  // m of way
+
+}  // namespace
+
 void SensorMonitor::clean(scan::Scan& scan) {
   const bool moved = (position_ - looked_).norm() >= returns::LaserElevations::kStep;
   if (moved) looked_ = position_;
@@ -12,7 +18,15 @@ void SensorMonitor::clean(scan::Scan& scan) {
   ground_.check(scan, moved);
   strays_.filter(scan);
   lasers_.check(scan, moved);
+  if ((position_ - compared_).norm() >= kCompareEvery) {
+    compared_ = position_;
+    const auto distances = returns::level_distances(scan);
+    order_.check(distances);
+    alignment_.check(distances);
+  }
   if (lasers_.any_wrong()) lasers_.withhold(scan);
+  if (order_.any_wrong()) order_.withhold(scan);
+  if (alignment_.any_wrong()) alignment_.withhold(scan);
 }
 
 void SensorMonitor::add(const mounting::RegisteredScan& scan) {
@@ -39,6 +53,8 @@ void SensorMonitor::compare(std::int64_t utime, const Pose& T_map_base_by_scan, 
 
 void SensorMonitor::add_faults(std::vector<std::string>& faults) const {
   lasers_.add_faults(faults);
+  order_.add_faults(faults);
+  alignment_.add_faults(faults);
   strays_.add_faults(faults);
   mounting_.add_faults(faults);
   turns_.add_faults(faults);
@@ -53,9 +69,10 @@ void SensorMonitor::add_faults(std::vector<std::string>& faults) const {
 }
 
 void SensorMonitor::add_counters(Counters& counters) const {
-  for (const Counters* part : {&strays_.counters(), &lasers_.counters(), &mounting_.counters(), &turns_.counters(),
-                               &lean_.counters(), &lag_.counters(), &sectors_.counters(), &ground_.counters(),
-                               &steps_.counters(), &dead_.counters(), &intensity_.counters()})
+  for (const Counters* part :
+       {&strays_.counters(), &lasers_.counters(), &order_.counters(), &alignment_.counters(), &mounting_.counters(),
+        &turns_.counters(), &lean_.counters(), &lag_.counters(), &sectors_.counters(), &ground_.counters(),
+        &steps_.counters(), &dead_.counters(), &intensity_.counters()})
     counters.add(*part);
 }
 

@@ -14,7 +14,9 @@
 #include "services/mapper/returns/dead_lasers.hpp"
 #include "services/mapper/returns/flat_intensity.hpp"
 #include "services/mapper/returns/ground_in_sight.hpp"
+#include "services/mapper/returns/laser_alignment.hpp"
 #include "services/mapper/returns/laser_elevations.hpp"
+#include "services/mapper/returns/laser_order.hpp"
 #include "services/mapper/returns/range_steps.hpp"
 #include "services/mapper/returns/stray_returns.hpp"
 #include "services/mapper/scan/scan.hpp"
@@ -25,7 +27,8 @@ namespace curbstone::mapper::detection {
 /// without a fault every point is kept.
 class SensorMonitor {
  public:
-  explicit SensorMonitor(const VehicleConfig& vehicle) : mounting_(vehicle), ground_(vehicle.T_base_lidar()) {}
+  explicit SensorMonitor(const VehicleConfig& vehicle)
+      : order_(vehicle.T_base_lidar()), mounting_(vehicle), ground_(vehicle.T_base_lidar()) {}
 
   /// Called every 20 ms, `now` in us; and for each packet of the LiDAR.
   void tick(std::int64_t now) { silence_.tick(now); }
@@ -49,6 +52,8 @@ class SensorMonitor {
  private:
   returns::StrayReturns strays_;
   returns::LaserElevations lasers_;
+  returns::LaserOrder order_;
+  returns::LaserAlignment alignment_;
   mounting::LidarMounting mounting_;
   mounting::TurnAgreement turns_;
   mounting::MapLean lean_;
@@ -60,7 +65,8 @@ class SensorMonitor {
   LidarSilence silence_;
   returns::GroundInSight ground_;
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();  // m, map: of the last revolution that fitted,
-  Eigen::Vector3d looked_ = Eigen::Vector3d::Zero();    // and of the last check of the lasers on the move
+  Eigen::Vector3d looked_ = Eigen::Vector3d::Zero();    // of the last check of the lasers on the move,
+  Eigen::Vector3d compared_ = Eigen::Vector3d::Zero();  // and of the last comparison of one laser with others
 };
 
 }  // namespace curbstone::mapper::detection

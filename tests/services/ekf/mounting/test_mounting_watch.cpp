@@ -313,5 +313,28 @@ TEST(MountingFaults, SayWhatToCorrect) {
   EXPECT_THAT(faults(narrow, "faults.mounting.turn_scale"), HasSubstr("is vehicle.track_width 0.64 m"));
 }
 
+/// To the right and backwards, deg, at the end of the drive; 0, 0 if nothing is said.
+Eigen::Vector2d lean_said(const Drive& drive) {
+  MountingWatch watch((VehicleConfig()));
+  feed(drive, [&](const auto& sample) { watch.add(sample); });
+  return watch.leans().value_or(Eigen::Vector2d::Zero()) * (180 / kPi);
+}
+
+TEST(MountingWatch, AnImuThatLeansInItsMountIsFound) {
+  const Drive drive = town();
+  EXPECT_TRUE(lean_said(drive).isZero());
+  EXPECT_TRUE(lean_said(mounted(drive, {0.05, -0.1, 0})).isZero()) << "as a crossfall and a hill";
+  const Eigen::Vector2d right = lean_said(mounted(drive, {0.35, 0, 0}));
+  EXPECT_NEAR(right.x(), 20, 3);
+  EXPECT_NEAR(right.y(), 0, 3);
+  EXPECT_NEAR(lean_said(mounted(drive, {0, 0.4, 0})).y(), -23, 4);
+}
+
+TEST(MountingWatch, AVehicleThatDrivesInCirclesDoesNotLean) {
+  MeanLean lean;
+  for (int i = 0; i < 600; ++i) lean.add(0.2, {0, 4, 9.8}, 8, 0.5);
+  EXPECT_FALSE(lean.wrong());
+}
+
 }  // namespace
 }  // namespace curbstone::ekf::mounting

@@ -10,8 +10,9 @@ namespace curbstone::bench::sensor_faults::catalogue {
 std::vector<Fault> all_faults() {
   std::vector<Fault> all;
   for (auto* faults :
-       {vehicle_file_faults, wheel_faults, imu_faults, lidar_mount_faults, lidar_stamp_faults, lidar_return_faults,
-        lidar_sight_faults, host_clock_faults, second_sender_faults, surroundings_faults}) {
+       {vehicle_file_faults, wheel_faults, imu_faults, imu_range_faults, lidar_mount_faults, lidar_stamp_faults,
+        lidar_packet_faults, lidar_return_faults, lidar_laser_faults, lidar_sight_faults, weather_faults,
+        host_clock_faults, second_sender_faults, surroundings_faults}) {
     for (Fault& fault : faults()) all.push_back(std::move(fault));
   }
   return all;

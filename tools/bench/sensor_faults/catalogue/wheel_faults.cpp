@@ -89,6 +89,35 @@ auto each(double period, double part) {
   return [=](double t) { return std::fmod(t, period) < part; };
 }
 
+/// The wheels turn factor(t, wheel) times as far as they do.
+template <class Factor>
+auto turning(Factor factor) {
+  return [factor, last = std::optional<wheels_t>(), angle = std::array<double, 2>{}](double t, wheels_t& m) mutable {
+    const wheels_t measured = m;
+    if (!last) {
+      last = m;
+      angle = {m.angle[0], m.angle[1]};
+    }
+    for (int wheel = 0; wheel < 2; ++wheel) {
+      const auto k = static_cast<std::size_t>(wheel);
+      const double per_rad =
+          std::abs(measured.angle[wheel]) > 1e-6 ? double(measured.counts[wheel]) / measured.angle[wheel] : 0;
+      const double by = factor(t, wheel);
+      angle[k] += by * (measured.angle[wheel] - last->angle[wheel]);
+      m.angle[wheel] = angle[k];
+      m.counts[wheel] = std::llround(angle[k] * per_rad);
+      m.speed[wheel] *= by;
+    }
+    last = measured;
+  };
+}
+
+/// From the first message on, as scale(wheel) says.
+template <class Scale>
+auto of_another_size(Scale scale) {
+  return turning([scale](double, int wheel) { return scale(wheel); });
+}
+
 std::vector<Fault> wheels_wrongly_set_up() {
   constexpr double kFrom = kFromTheBeginning;
   return {
@@ -145,11 +174,58 @@ std::vector<Fault> wheels_failing() {
   };
 }
 
+std::vector<Fault> wheels_on_the_road() {
+  constexpr double kFrom = kFromTheBeginning;
+  return {
+      wheels("gear ratio x 10", "the encoder is on the motor's side: ten times the way", kFrom,
+             of_another_size([](int) { return 10.0; })),
+      wheels("right counts double", "the right encoder counts both edges: twice the way", kFrom,
+             of_another_size([](int wheel) { return wheel == 1 ? 2.0 : 1.0; })),
+      wheels("ice on the left", "the left wheel turns 80 % more for 8 s in each 16 s", kOnTheWay,
+             turning([](double t, int wheel) { return wheel == 0 && std::fmod(t, 16.0) < 8.0 ? 1.8 : 1.0; })),
+      wheels("brake locks", "both wheels stand still for 1.5 s in each 10 s while the vehicle slides", kOnTheWay,
+             turning([](double t, int) { return std::fmod(t, 10.0) < 1.5 ? 0.0 : 1.0; })),
+      wheels("left wheel slides now and then", "it stands still for 1 s in each 5 s", kOnTheWay,
+             turning([](double t, int wheel) { return wheel == 0 && std::fmod(t, 5.0) < 1.0 ? 0.0 : 1.0; })),
+      wheels("counts begin again", "both counts are 0 again each 10 s: the drive's controller restarts", kOnTheWay,
+             [first = std::optional<wheels_t>()](double t, auto& m) mutable {
+               if (!first || std::fmod(t, 10.0) < 0.011) first = m;
+               for (int wheel = 0; wheel < 2; ++wheel) {
+                 m.counts[wheel] -= first->counts[wheel];
+                 m.angle[wheel] -= first->angle[wheel];
+               }
+             }),
+      wheels("counts of 16 bits", "the counts overflow and nobody unwraps them", kFrom,
+             [](double, auto& m) {
+               for (int wheel = 0; wheel < 2; ++wheel) {
+                 const double per_rad = std::abs(m.angle[wheel]) > 1e-6 ? double(m.counts[wheel]) / m.angle[wheel] : 0;
+                 m.counts[wheel] = static_cast<std::int16_t>(m.counts[wheel]);
+                 if (per_rad != 0) m.angle[wheel] = double(m.counts[wheel]) / per_rad;
+               }
+             }),
+      wheels("gateway stalls", "the same counts come for 1 s in each 4 s", kOnTheWay,
+             [held = std::optional<wheels_t>()](double t, auto& m) mutable {
+               if (std::fmod(t, 4.0) >= 1.0) {
+                 held.reset();
+                 return;
+               }
+               if (!held) held = m;
+               for (int wheel = 0; wheel < 2; ++wheel) {
+                 m.counts[wheel] = held->counts[wheel];
+                 m.angle[wheel] = held->angle[wheel];
+                 m.speed[wheel] = held->speed[wheel];
+               }
+             }),
+      wheels("wheels in TAI", "stamps are 37 s ahead", kFrom, [](double, auto& m) { m.utime += 37'000'000; }),
+  };
+}
+
 }  // namespace
 
 std::vector<Fault> wheel_faults() {
   std::vector<Fault> faults = wheels_wrongly_set_up();
   for (Fault& fault : wheels_failing()) faults.push_back(std::move(fault));
+  for (Fault& fault : wheels_on_the_road()) faults.push_back(std::move(fault));
   return faults;
 }
 

@@ -26,11 +26,13 @@ std::vector<LogEvent> some_events(int n) {
     const std::int64_t utime = 1'000'000 + 10'000 * i;
     std::vector<SomePoint> points;
     for (int k = 0; k < 40; ++k)
-      points.push_back({20.0F * std::cos(0.157F * float(k)), 20.0F * std::sin(0.157F * float(k)), -1.0F});
+      points.push_back(
+          {20.0F * std::cos(0.157F * float(k)), 20.0F * std::sin(0.157F * float(k)), k % 2 == 0 ? -1.0F : -1.7F});
+    points.push_back({3.0F, 0.0F, 1.0F});  // above it
     lidar_points_t lidar = some_points(points, utime);
     lidar.revolution = i / 3;
     imu_t imu = some_imu(utime);
-    imu.acceleration[0] += i, imu.angular_rate[2] += 0.001 * i;
+    imu.acceleration[0] += i, imu.acceleration[2] = 9.81 + 0.001 * i, imu.angular_rate[2] += 0.001 * i;
     wheels_t wheels = some_wheels(utime);
     wheels.counts[0] += 10 * i, wheels.angle[0] += 0.01 * i;
     events.push_back(event_of("LIDAR_POINTS", lidar));
@@ -40,7 +42,7 @@ std::vector<LogEvent> some_events(int n) {
   return events;
 }
 
-constexpr int kEvents = 500;  // of each sensor, in 15 s
+constexpr int kEvents = 800;  // of each sensor, in 15 s
 
 /// The bytes of the messages that are sent.
 std::vector<std::vector<std::uint8_t>> sent(const Fault& fault, double first_t) {
