@@ -13,6 +13,8 @@
 #include <system_error>
 #include <utility>
 
+#include "common/json/json_text.hpp"
+
 namespace curbstone::procman::deputy {
 
 namespace {
@@ -48,7 +50,7 @@ pid_t start_program(const std::vector<std::string>& words, int output) {
 std::optional<std::vector<std::string>> doctor_findings(const std::string& json) {
   std::vector<std::string> findings;
   try {
-    const nlohmann::json report = nlohmann::json::parse(json);
+    const nlohmann::json report = parse_json(json);
     for (const auto& check : report.at("checks")) {
       if (check.at("kind") != "finding") continue;
       findings.push_back(fmt::format("{}: {}; fix: {}", check.at("check").get<std::string>(),

@@ -12,7 +12,6 @@
 #include "common/shell/status_reporter.hpp"
 #include "common/terminal/screen.hpp"
 #include "common/time/clock.hpp"
-#include "procman/config/config.hpp"
 #include "procman/deputy/script_runner.hpp"
 #include "procman/sheriff/status_table.hpp"
 
@@ -133,7 +132,7 @@ int SheriffApp::order() {
     if (options_.action == Action::kRestart) sheriff_.restart(id);
   }
   ordering_ = true;
-  const std::int64_t until = steady_clock() + static_cast<std::int64_t>(options_.wait * 1e6);
+  const std::int64_t until = deadline();
   const auto is = [&](Progress progress) {
     return [&, progress](const std::string& id) { return sheriff_.progress(id) == progress; };
   };
@@ -153,8 +152,9 @@ int SheriffApp::order() {
   return result;
 }
 
-int SheriffApp::run_script() {
-  const config::Config config = config::load_config_file(options_.config_file);
+/// The configuration with the script. Throws UnknownName if a deputy cannot run the script as it is written there.
+config::Config SheriffApp::script_config() const {
+  config::Config config = config::load_config_file(options_.config_file);
   const std::string& script = options_.names.front();
   if (config.find_script(script) == nullptr)
     throw UnknownName(fmt::format("{} has no script \"{}\"", options_.config_file, script));
@@ -164,6 +164,30 @@ int SheriffApp::run_script() {
     if (!sheriff_.commands().contains(command.id))
       throw UnknownName(fmt::format("no deputy has the command \"{}\" of {}", command.id, options_.config_file));
   }
+  return config;
+}
+
+bool SheriffApp::is_under_way(const std::string& id) const {
+  return sheriff_.progress(id) == Progress::kUnderWay;
+}
+
+/// Whether a script need not wait for the command any longer. `asked`: this sheriff has ordered its present state.
+bool SheriffApp::fulfils(const std::string& id, config::WaitStatus wait, bool asked) const {
+  const auto known = sheriff_.commands().find(id);
+  if (known == sheriff_.commands().end()) return false;
+  if (asked && is_under_way(id)) return false;
+  const bool runs = known->second.status.pid != 0;
+  if (wait == config::WaitStatus::kReady) return !runs || known->second.ready();
+  return asked || runs == (wait == config::WaitStatus::kRunning);
+}
+
+std::int64_t SheriffApp::deadline() const {
+  return steady_clock() + static_cast<std::int64_t>(options_.wait * 1e6);
+}
+
+int SheriffApp::run_script() {
+  const config::Config config = script_config();
+  const std::string& script = options_.names.front();
   std::set<std::string> touched;
   const auto touch = [&](void (Sheriff::*act)(const std::string&)) {
     return [&, act](const std::string& id) {
@@ -176,20 +200,13 @@ int SheriffApp::run_script() {
                                .stop = touch(&Sheriff::stop),
                                .restart = touch(&Sheriff::restart),
                                .satisfied = [&](const std::string& id, config::WaitStatus wait) {
-                                 const auto known = sheriff_.commands().find(id);
-                                 if (known == sheriff_.commands().end()) return false;
-                                 const bool asked = touched.contains(id);
-                                 if (asked && sheriff_.progress(id) == Progress::kUnderWay) return false;
-                                 const bool runs = known->second.status.pid != 0;
-                                 if (wait == config::WaitStatus::kReady) return !runs || known->second.ready();
-                                 return asked || runs == (wait == config::WaitStatus::kRunning);
+                                 return fulfils(id, wait, touched.contains(id));
                                }});
   ordering_ = true;
-  const std::int64_t until = steady_clock() + static_cast<std::int64_t>(options_.wait * 1e6);
+  const std::int64_t until = deadline();
   const auto under_way = [&] {
-    return !runner.done() || std::any_of(touched.begin(), touched.end(), [&](const std::string& id) {
-      return sheriff_.progress(id) == Progress::kUnderWay;
-    });
+    return !runner.done() ||
+           std::any_of(touched.begin(), touched.end(), [&](const std::string& id) { return is_under_way(id); });
   };
   do {
     runner.step(steady_clock());

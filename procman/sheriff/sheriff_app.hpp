@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -7,6 +8,7 @@
 
 #include "common/bus/lcm_bus.hpp"
 #include "common/terminal/terminal_table.hpp"
+#include "procman/config/config.hpp"
 #include "procman/sheriff/sheriff.hpp"
 
 namespace curbstone::procman::sheriff {
@@ -46,6 +48,10 @@ class SheriffApp {
   int tail();
   int order();
   int run_script();
+  [[nodiscard]] config::Config script_config() const;
+  [[nodiscard]] bool is_under_way(const std::string& id) const;
+  [[nodiscard]] bool fulfils(const std::string& id, config::WaitStatus wait, bool asked) const;
+  [[nodiscard]] std::int64_t deadline() const;
   int say_conflict() const;
   [[nodiscard]] std::vector<std::string> named() const;
   [[nodiscard]] std::vector<std::string> picture(const TextStyle& style = {}) const;

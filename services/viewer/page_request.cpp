@@ -3,6 +3,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "common/json/json_text.hpp"
+
 namespace curbstone::viewer {
 namespace {
 
@@ -65,7 +67,7 @@ std::optional<frames::CloudWish> cloud_in(const json& message) {
 
 PageRequest parse_page_request(const std::string& text) {
   PageRequest request;
-  const json message = json::parse(text, nullptr, false);
+  const json message = try_parse_json(text);
   if (!message.is_object()) return request;
   if (const auto resume = message.find("resume"); resume != message.end()) {
     request.resumes = true;

@@ -3,15 +3,12 @@
 #include <nlohmann/json.hpp>
 
 #include "common/geometry/geometry.hpp"
+#include "common/json/json_text.hpp"
 
 namespace curbstone::viewer {
 namespace {
 
 using nlohmann::json;
-
-std::string text_of(const json& value) {
-  return value.dump(-1, ' ', false, json::error_handler_t::replace);
-}
 
 json pose_json(const map_pose_t& pose) {
   const Pose T_map_base = pose_from_arrays(pose.map_base_position, pose.map_base_orientation);
@@ -53,21 +50,21 @@ json playback_json(const Playback& playback) {
 }  // namespace
 
 std::string state_json(const State& state, const VehicleConfig& vehicle) {
-  return text_of({{"source", state.source},
-                  {"title", state.title},
-                  {"epoch", state.epoch},
-                  {"tiles", state.tiles},
-                  {"behind", state.behind},
-                  {"bus_age", state.bus_age},
-                  {"tile_age", state.tile_age},
-                  {"index_age", state.index_age},
-                  {"pose_age", state.pose_age},
-                  {"new_map_age", state.new_map_age},
-                  {"latency", {state.latency_p50, state.latency_p95}},
-                  {"vehicle", {vehicle.length, vehicle.width, vehicle.middle}},
-                  {"pose", state.pose ? pose_json(*state.pose) : json()},
-                  {"localized", localized_json(state)},
-                  {"playback", state.playback ? playback_json(*state.playback) : json()}});
+  return json_text({{"source", state.source},
+                    {"title", state.title},
+                    {"epoch", state.epoch},
+                    {"tiles", state.tiles},
+                    {"behind", state.behind},
+                    {"bus_age", state.bus_age},
+                    {"tile_age", state.tile_age},
+                    {"index_age", state.index_age},
+                    {"pose_age", state.pose_age},
+                    {"new_map_age", state.new_map_age},
+                    {"latency", {state.latency_p50, state.latency_p95}},
+                    {"vehicle", {vehicle.length, vehicle.width, vehicle.middle}},
+                    {"pose", state.pose ? pose_json(*state.pose) : json()},
+                    {"localized", localized_json(state)},
+                    {"playback", state.playback ? playback_json(*state.playback) : json()}});
 }
 
 std::string services_json(const store::Services& services, std::int64_t now) {
@@ -88,7 +85,7 @@ std::string services_json(const store::Services& services, std::int64_t now) {
                     {"faults", service.faults},
                     {"losses", losses}});
   }
-  return text_of(list);
+  return json_text(list);
 }
 
 }  // namespace curbstone::viewer

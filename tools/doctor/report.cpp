@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "common/json/json_text.hpp"
+
 namespace curbstone::doctor {
 
 namespace {
@@ -56,7 +58,7 @@ std::string report_json(const checks::Verdicts& verdicts) {
                               {"what", printable(verdict.what)},
                               {"fix", printable(verdict.fix)}});
   }
-  return json.dump(2);
+  return json_text(json, 2);
 }
 
 int exit_status(const checks::Verdicts& verdicts) {

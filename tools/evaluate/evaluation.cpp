@@ -41,11 +41,15 @@ std::vector<CurbFoot> feet_of(const semantic_map::tile::CurbLine& line, const Po
   return feet;
 }
 
+bool is_judged(Place place, const truth::Truth& truth) {
+  return truth.classes.empty() || truth.classes.known_around(place.x, place.y);
+}
+
 /// Each foot represents half the distance to its neighbours.
-template <class IsJudged>
-void add_inferred(const std::vector<CurbFoot>& feet, IsJudged is_judged, std::vector<CurbMap::Inferred>& inferred) {
+void add_inferred(const std::vector<CurbFoot>& feet, const truth::Truth& truth,
+                  std::vector<CurbMap::Inferred>& inferred) {
   const std::size_t first = inferred.size();
-  for (const CurbFoot& foot : feet) inferred.push_back({foot.at, 0, is_judged(foot.at)});
+  for (const CurbFoot& foot : feet) inferred.push_back({foot.at, 0, is_judged(foot.at, truth)});
   for (std::size_t i = first + 1; i < inferred.size(); ++i) {
     const Place& a = inferred[i - 1].at;
     const Place& b = inferred[i].at;
@@ -66,6 +70,52 @@ std::vector<Place> driven_path(const truth::PosePairs& pairs) {
     if (path.empty() || std::hypot(place.x - path.back().x, place.y - path.back().y) > 0.2) path.push_back(place);
   }
   return path;
+}
+
+struct CellScores {
+  Confusion all;
+  Confusion firm;  // cells whose true class the fine truth is sure of
+  BlockingScore blocking;
+};
+
+/// Scores the cells' classes, and adds cells that were seen to `map`.
+CellScores score_cells(const std::vector<semantic_map::tile::MapTile>& tiles, const Pose& T_truth_map,
+                       const truth::Truth& truth, const PlaceGrid<Place>& near_path, CurbMap& map) {
+  CellScores scores;
+  const auto count_in = [](Confusion& cells, std::uint8_t true_class, semantic_map::tile::CellClass cell_class) {
+    if (true_class == 0 || true_class >= semantic_map::tile::kNumClasses) return;
+    ++cells.count[true_class][static_cast<std::size_t>(cell_class)];
+  };
+  for_each_seen_cell(tiles, [&](semantic_map::tile::CellClass cell_class, const Eigen::Vector3d& centre) {
+    const Eigen::Vector3d placed = T_truth_map * centre;
+    const Place place{placed.x(), placed.y()};
+    const std::uint8_t true_class = truth.class_of_cell(T_truth_map, centre, kCellSize);
+    if (is_blocking(static_cast<semantic_map::tile::CellClass>(true_class)) && near_path.any_near(place.x, place.y))
+      scores.blocking.count(cell_class, place);
+    if (true_class == static_cast<std::uint8_t>(semantic_map::tile::CellClass::kRoad) && is_blocking(cell_class))
+      scores.blocking.called_blocked.push_back(place);
+    if (cell_class == semantic_map::tile::CellClass::kUnknown) return;
+    map.seen.push_back(place);
+    if (cell_class == semantic_map::tile::CellClass::kCurb) map.cells.push_back({place, is_judged(place, truth)});
+    count_in(scores.all, true_class, cell_class);
+    if (!truth.fine_classes.empty())
+      count_in(scores.firm, truth.class_of_cell(T_truth_map, centre, kCellSize, kFirm), cell_class);
+  });
+  return scores;
+}
+
+void add_lines(const std::vector<semantic_map::tile::CurbLine>& curbs, const Pose& T_truth_map,
+               const truth::Truth& truth, CurbMap& map) {
+  for (const semantic_map::tile::CurbLine& line : curbs) {
+    const std::vector<CurbFoot> feet = feet_of(line, T_truth_map);
+    if (line.inferred) {
+      add_inferred(feet, truth, map.inferred);
+      continue;
+    }
+    map.feet.insert(map.feet.end(), feet.begin(), feet.end());
+    if (!line.dropped) continue;
+    for (const CurbFoot& foot : feet) map.lowered.push_back(foot.at);
+  }
 }
 
 }  // namespace
@@ -105,48 +155,15 @@ Evaluation evaluate(const std::vector<semantic_map::tile::MapTile>& tiles,
   evaluation.trajectory = truth::trajectory_errors(pairs);
   evaluation.T_truth_map = truth::align(pairs);
 
-  const auto is_judged = [&](Place place) {
-    return truth.classes.empty() || truth.classes.known_around(place.x, place.y);
-  };
   const std::vector<Place> path = driven_path(pairs);
-  const PlaceGrid<Place> near_path(path, radius);
   CurbMap map;
-  Confusion confusion;
-  Confusion firm;
-  BlockingScore blocking;
-  for_each_seen_cell(tiles, [&](semantic_map::tile::CellClass cell_class, const Eigen::Vector3d& centre) {
-    const Eigen::Vector3d placed = evaluation.T_truth_map * centre;
-    const Place place{placed.x(), placed.y()};
-    const std::uint8_t true_class = truth.class_of_cell(evaluation.T_truth_map, centre, kCellSize);
-    if (is_blocking(static_cast<semantic_map::tile::CellClass>(true_class)) && near_path.any_near(place.x, place.y))
-      blocking.count(cell_class, place);
-    if (true_class == static_cast<std::uint8_t>(semantic_map::tile::CellClass::kRoad) && is_blocking(cell_class))
-      blocking.called_blocked.push_back(place);
-    if (cell_class == semantic_map::tile::CellClass::kUnknown) return;
-    map.seen.push_back(place);
-    if (cell_class == semantic_map::tile::CellClass::kCurb) map.cells.push_back({place, is_judged(place)});
-    const auto count_in = [&](Confusion& cells, std::uint8_t id) {
-      if (id != 0 && id < semantic_map::tile::kNumClasses) ++cells.count[id][static_cast<std::size_t>(cell_class)];
-    };
-    count_in(confusion, true_class);
-    if (!truth.fine_classes.empty())
-      count_in(firm, truth.class_of_cell(evaluation.T_truth_map, centre, kCellSize, kFirm));
-  });
-  for (const semantic_map::tile::CurbLine& line : curbs) {
-    const std::vector<CurbFoot> feet = feet_of(line, evaluation.T_truth_map);
-    if (line.inferred) {
-      add_inferred(feet, is_judged, map.inferred);
-      continue;
-    }
-    map.feet.insert(map.feet.end(), feet.begin(), feet.end());
-    if (!line.dropped) continue;
-    for (const CurbFoot& foot : feet) map.lowered.push_back(foot.at);
-  }
+  const CellScores cells = score_cells(tiles, evaluation.T_truth_map, truth, PlaceGrid<Place>(path, radius), map);
+  add_lines(curbs, evaluation.T_truth_map, truth, map);
   if (!truth.curbs.empty()) evaluation.curbs = score_curbs(map, truth.curbs, path, radius);
   if (!truth.classes.empty()) {
-    evaluation.classes = confusion;
-    if (!truth.fine_classes.empty()) evaluation.firm_classes = firm;
-    evaluation.blocking = blocking;
+    evaluation.classes = cells.all;
+    if (!truth.fine_classes.empty()) evaluation.firm_classes = cells.firm;
+    evaluation.blocking = cells.blocking;
   }
   return evaluation;
 }

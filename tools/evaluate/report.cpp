@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/json/json_text.hpp"
+
 namespace curbstone::evaluate {
 
 namespace {
@@ -215,7 +217,7 @@ std::string to_json(const Evaluation& e) {
   if (e.blocking) json["blocking"] = blocking_json(*e.blocking);
   json["trajectory"] = trajectory_json(e.trajectory);
   if (e.run) add_run(*e.run, json);
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 }  // namespace curbstone::evaluate

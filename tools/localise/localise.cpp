@@ -17,6 +17,7 @@
 #include "common/config/assignments.hpp"
 #include "common/config/command_line.hpp"
 #include "common/config/config.hpp"
+#include "common/json/json_text.hpp"
 #include "services/ekf/ekf_node.hpp"
 #include "services/localizer/localizer_node.hpp"
 #include "services/semantic_map/store/map_store.hpp"
@@ -198,7 +199,7 @@ int run(const Arguments& arguments) {
     figures["revolution_ms"] = {{"p50", 1e3 * out.report.latency_p50}, {"p99", 1e3 * out.report.latency_p99}};
   if (!arguments.csv.empty()) output::write_text(arguments.csv, to_csv(out.poses));
   if (!arguments.picture.empty()) draw_drive(arguments.map, out.poses, arguments.picture);
-  if (!arguments.json.empty()) output::write_text(arguments.json, figures.dump(2) + "\n");
+  if (!arguments.json.empty()) output::write_text(arguments.json, json_text(figures, 2) + "\n");
   return log.damaged() ? 1 : 0;
 }
 

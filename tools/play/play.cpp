@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <regex>
 #include <set>
 #include <stdexcept>
 
@@ -11,6 +10,7 @@
 #include "common/config/command_line.hpp"
 #include "common/shell/event_loop.hpp"
 #include "common/time/clock.hpp"
+#include "tools/log_tool/channel_pattern.hpp"
 #include "tools/log_tool/log_time.hpp"
 #include "tools/output/progress_bar.hpp"
 #include "tools/play/keyboard.hpp"
@@ -31,14 +31,6 @@ struct PlayOptions {
   std::string url;
   double speed = 1;
 };
-
-std::regex channel_regex(const std::string& text) {
-  try {
-    return std::regex(text, std::regex::extended);
-  } catch (const std::regex_error&) {
-    throw std::runtime_error(fmt::format("--channels {}: is no regular expression", text));
-  }
-}
 
 /// The channels to be played that already have a publisher.
 std::set<std::string> spoken_on(LcmBus& bus, const Player::Wanted& wanted) {
@@ -91,8 +83,7 @@ int run_play(int argc, char** argv) {
   PlayOptions options;
   CommandLine line(
       "Says what the drivers said in a log on the bus, with the times of the log. On a terminal: space pauses, '.' "
-      "steps, "
-      "the arrows go 10 s on or back, + and - change the speed, q ends",
+      "steps, the arrows go 10 s on or back, + and - change the speed, q ends",
       "curbstone play");
   line.option("log", options.logs, "LCM logs, or the folder of a session").required();
   line.option("--channels", options.channels, "Regular expression that fits the whole name; '.*': all").shows_default();
@@ -100,8 +91,8 @@ int run_play(int argc, char** argv) {
   line.option("--speed", options.speed, "Times the pace of the drive").within(0.01, 100.0).shows_default();
   line.option("--lcm-url", options.url, "Bus; default $LCM_DEFAULT_URL, else " + std::string(LcmBus::kDefaultUrl));
   if (const auto status = line.read(argc, argv)) return *status;
-  const std::regex pattern = channel_regex(options.channels);
-  const auto wanted = [&](const std::string& channel) { return std::regex_match(channel, pattern); };
+  const log_tool::ChannelPattern pattern(options.channels);
+  const auto wanted = [&](const std::string& channel) { return pattern.fits(channel); };
   EventLoop loop;  // before the threads of a bus, so that Ctrl-C ends the loop and the terminal is restored
   refuse_a_bus_in_use(options.url, wanted);
   LcmBus bus(options.url);

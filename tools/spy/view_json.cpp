@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "common/json/json_text.hpp"
 #include "common/message_types/field_values.hpp"
 #include "common/message_types/type_table.hpp"
 #include "tools/spy/view.hpp"
@@ -93,7 +94,7 @@ std::string board_json(const board::BusBoard& board, std::int64_t now) {
   for (const auto& [key, service] : board.services().services()) json["services"].push_back(service_json(service, now));
   for (const auto& [name, deputy] : board.deputies()) json["deputies"].push_back(deputy_json(deputy, now));
   if (!board.followed().empty()) json["message"] = message_json(board);
-  return json.dump(2);
+  return json_text(json, 2);
 }
 
 }  // namespace curbstone::spy

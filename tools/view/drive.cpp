@@ -11,7 +11,7 @@ namespace curbstone::view {
 namespace {
 
 constexpr std::int64_t kSearched = 20'000'000;  // us within which a log with a map has a message of it
-constexpr std::int64_t kLeap = 1'000'000;       // us of the drive per call; the page is served in between
+constexpr std::int64_t kSeekStep = 1'000'000;   // us of the drive per call; the page is served in between
 constexpr std::int64_t kTick = 50'000;          // us of message time
 
 constexpr std::array<std::string_view, 11> kShown = {"SEMANTIC_TILE", "TILE_INDEX", "MAP_POSE",       "MAP_TRAJECTORY",
@@ -63,18 +63,18 @@ Drive::Drive(std::vector<std::string> logs, LocalBus& shown)
 
 void Drive::advance(std::int64_t now) {
   if (goal_)
-    leap();
+    seek();
   else
     player_.advance(now);
   work();
 }
 
-void Drive::leap() {
+void Drive::seek() {
   const bool paused = player_.paused();
   const std::int64_t left = *goal_ - player_.position();
-  if (left > 0) player_.step(std::min(left, kLeap));
+  if (left > 0) player_.step(std::min(left, kSeekStep));
   player_.set_paused(paused);
-  if (left <= kLeap || player_.at_end()) goal_.reset();
+  if (left <= kSeekStep || player_.at_end()) goal_.reset();
 }
 
 void Drive::work() {

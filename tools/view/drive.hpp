@@ -41,7 +41,7 @@ class Drive {
 
  private:
   void work();
-  void leap();
+  void seek();
 
   LocalBus bus_;  // of the drive
   std::optional<replay::ReplayVehicle> vehicle_;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/statistics/quantile.hpp"
 #include "services/tensor_voting/cuda/cloud_request.hpp"
 #include "services/tensor_voting/voting/step_cloud.hpp"
 
@@ -24,12 +25,6 @@ std::uint32_t checked_size(std::size_t size) {
     throw std::invalid_argument(std::to_string(size) + " points: expected at most 2^31 - 1");
   }
   return static_cast<std::uint32_t>(size);
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// The origin that to_steps() would find. A sample of the points suffices, because to_steps() uses only a sample too.
@@ -107,7 +102,7 @@ std::optional<CudaTimings> time_cuda_voting(std::span<const Eigen::Vector3d> poi
   const auto median_of = [&](auto part) {
     std::vector<double> values;
     for (const DeviceTimes& run : timed.runs) values.push_back(part(run));
-    return median(std::move(values));
+    return quantile_in_place(values, 0.5);
   };
   CudaTimings t;
   t.device = timed.device;
@@ -125,7 +120,7 @@ std::optional<CudaTimings> time_cuda_voting(std::span<const Eigen::Vector3d> poi
     if (i < 0) continue;
     calls.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
   }
-  t.call_ms = median(std::move(calls));
+  t.call_ms = quantile_in_place(calls, 0.5);
   t.pairs_tested = timed.tests;
   t.pair_votes = timed.pair_votes;
   t.flops = kFlopsPerTest * static_cast<double>(t.pairs_tested) + kFlopsPerVote * static_cast<double>(t.pair_votes);

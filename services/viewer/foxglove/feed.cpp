@@ -18,7 +18,7 @@ constexpr std::int64_t kLinePeriod = 500'000;
 constexpr std::int64_t kPointsPeriod = 2'000'000;
 constexpr std::int64_t kWholePeriod = 10'000'000;
 
-TileKey middle_of(const World& world) {
+TileKey vehicle_tile(const World& world) {
   if (!world.pose) return {};
   return tile_at(world.pose->map_base_position[0], world.pose->map_base_position[1]).value_or(TileKey{});
 }
@@ -135,7 +135,7 @@ bool Feed::send_points(const World& world, std::int64_t now, Sink& out) {
 
 bool Feed::send_window(const World& world, std::int64_t now, Sink& out) {
   Sent* sent = ready(kMapWindow, now, kWindowPeriod);
-  const TileKey middle = middle_of(world);
+  const TileKey middle = vehicle_tile(world);
   if (sent == nullptr || world.map.map.number() == 0) return false;
   if (sent->at && sent->number == world.map.map.number() && sent->middle == middle) return false;
   const std::int64_t utime = world.map.newest_utime;

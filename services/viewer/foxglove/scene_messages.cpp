@@ -10,6 +10,7 @@
 #include <optional>
 #include <string_view>
 
+#include "common/statistics/quantile.hpp"
 #include "services/viewer/foxglove/message_parts.hpp"
 
 namespace curbstone::viewer::foxglove {
@@ -78,13 +79,6 @@ void add_deletions(::foxglove::SceneUpdate& scene, const Changes& changes, const
   }
 }
 
-float middle_of(std::vector<float> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 void add_curb(::foxglove::SceneUpdate& scene, const store::CurbLines::Changes::Added& added, std::int64_t utime) {
   const curb_line_t& curb = *added.line;
   auto& entity = add_entity(scene, id_of("curb", added.name), utime);
@@ -99,7 +93,8 @@ void add_curb(::foxglove::SceneUpdate& scene, const store::CurbLines::Changes::A
     set_vector(*foot.add_points(), x, y, z);
     set_vector(*edge.add_points(), x, y, z + double{curb.height[i]});
   }
-  add_metadata(entity, "height", fmt::format("{:.3f} m", middle_of(curb.height)));
+  add_metadata(entity, "height",
+               fmt::format("{:.3f} m", quantile_or({curb.height.begin(), curb.height.end()}, 0.5, 0)));
   add_metadata(entity, "rise", curb.rise > 0 ? "up" : curb.rise < 0 ? "down" : "unknown");
   add_metadata(entity, "confidence", fmt::format("{:.2f}", curb.confidence));
   add_metadata(entity, "lowered", curb.dropped != 0 ? "yes" : "no");

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <nlohmann/json.hpp>
 
+#include "common/json/json_text.hpp"
 #include "services/viewer/foxglove/message_parts.hpp"
 
 namespace curbstone::viewer::foxglove {
@@ -14,13 +15,9 @@ namespace {
 
 using nlohmann::json;
 
-std::string text_of(const json& value) {
-  return value.dump(-1, ' ', false, json::error_handler_t::replace);
-}
-
 /// Shortened, and valid UTF-8 whatever the bus delivered: protobuf accepts nothing else.
 std::string cleaned(const std::string& text) {
-  return json::parse(text_of(text.substr(0, StatusHistory::kMaxText))).get<std::string>();
+  return parse_json(json_text(text.substr(0, StatusHistory::kMaxText))).get<std::string>();
 }
 
 /// Makes a name usable in a plot's path, which needs quotes for any other characters.
@@ -68,17 +65,17 @@ bool StatusHistory::put(const service_status_t& message) {
   for (const std::string& fault : service.faults)
     if (!faults.contains(fault)) add_line(message, Level::kInfo, name, "no longer: " + fault);
 
-  service.json = text_of({{"utime", message.utime},
-                          {"host", cleaned(message.host)},
-                          {"pid", message.pid},
-                          {"version", cleaned(message.version)},
-                          {"uptime", seconds(message.uptime)},
-                          {"cpu", cpu},
-                          {"memory", message.memory},
-                          {"latency_p50", message.latency_p50},
-                          {"latency_p99", message.latency_p99},
-                          {"counters", counters_of(message)},
-                          {"faults", faults}});
+  service.json = json_text({{"utime", message.utime},
+                            {"host", cleaned(message.host)},
+                            {"pid", message.pid},
+                            {"version", cleaned(message.version)},
+                            {"uptime", seconds(message.uptime)},
+                            {"cpu", cpu},
+                            {"memory", message.memory},
+                            {"latency_p50", message.latency_p50},
+                            {"latency_p99", message.latency_p99},
+                            {"counters", counters_of(message)},
+                            {"faults", faults}});
   service.faults = std::move(faults);
   service.utime = message.utime;
   service.pid = message.pid;

@@ -3,6 +3,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "common/json/json_text.hpp"
 #include "services/viewer/frames/byte_writer.hpp"
 
 namespace curbstone::viewer::foxglove {
@@ -23,10 +24,6 @@ std::string base64(std::string_view bytes) {
     for (std::size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63] : '=';
   }
   return text;
-}
-
-std::string json_text(const json& value) {
-  return value.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 std::optional<std::uint32_t> id_of(const json& value) {
@@ -79,7 +76,7 @@ std::vector<std::uint8_t> data_frame(std::uint32_t subscription, std::int64_t ut
 }
 
 std::optional<ClientRequest> parse_request(std::string_view text) {
-  const json said = json::parse(text, nullptr, false);
+  const json said = try_parse_json(text);
   if (!said.is_object()) return std::nullopt;
   const std::string op = said.value("op", json()).is_string() ? said.at("op").get<std::string>() : "";
   const char* list_name = op == "subscribe" ? "subscriptions" : "subscriptionIds";

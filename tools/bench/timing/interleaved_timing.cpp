@@ -2,7 +2,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
+#include "common/statistics/quantile.hpp"
 
 namespace curbstone::bench::timing {
 
@@ -36,12 +36,6 @@ TurnTimes take_turn(const Contender& contender, double min_time) {
   return collector.times;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 std::vector<TurnTimes> time_in_turn(std::span<const Contender> contenders, const TurnOptions& options) {
@@ -58,7 +52,7 @@ std::vector<TurnTimes> time_in_turn(std::span<const Contender> contenders, const
     }
   }
   std::vector<TurnTimes> medians;
-  for (Turns& t : turns) medians.push_back({median(std::move(t.wall_ms)), median(std::move(t.cpu_ms))});
+  for (Turns& t : turns) medians.push_back({quantile_in_place(t.wall_ms, 0.5), quantile_in_place(t.cpu_ms, 0.5)});
   return medians;
 }
 

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/bus/lcm_bus.hpp"
+#include "common/json/json_text.hpp"
 #include "tools/doctor/facts/program_output.hpp"
 
 namespace curbstone::doctor::facts {
@@ -14,7 +15,7 @@ namespace {
 nlohmann::json ip_json(std::vector<std::string> words) {
   words.insert(words.begin(), {"ip", "-4", "-json"});
   const auto text = program_output(words);
-  const auto parsed = nlohmann::json::parse(text.value_or(""), nullptr, false);
+  const auto parsed = try_parse_json(text.value_or(""));
   return parsed.is_array() ? parsed : nlohmann::json::array();
 }
 

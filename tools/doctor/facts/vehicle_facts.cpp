@@ -16,6 +16,7 @@
 #include <string_view>
 
 #include "common/config/config.hpp"
+#include "common/json/json_text.hpp"
 #include "config/sections.hpp"
 #include "drivers/encoder/encoder_config.hpp"
 #include "drivers/imu/imu_config.hpp"
@@ -97,7 +98,7 @@ checks::CanFacts can_at(const std::string& interface) {
   checks::CanFacts can;
   can.interface = interface;
   const auto text = program_output({"ip", "-json", "-details", "link", "show", "dev", interface});
-  const auto links = nlohmann::json::parse(text.value_or(""), nullptr, false);
+  const auto links = try_parse_json(text.value_or(""));
   if (!links.is_array()) return can;
   for (const auto& link : links) {
     can.is_there = true;

@@ -12,6 +12,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "common/json/json_text.hpp"
+
 namespace curbstone::evaluate::truth {
 
 namespace {
@@ -133,10 +135,9 @@ Truth load_truth(const std::string& folder) {
   }
   if (fs::exists(folder + "/classes.png")) {
     const std::string name = folder + "/truth.json";
-    std::ifstream in(name);
     double fine_resolution = 0;
     try {
-      const auto json = nlohmann::json::parse(in);
+      const auto json = read_json(name);
       truth.classes.resolution = json.at("resolution_m").get<double>();
       truth.classes.origin_x = json.at("origin").at(0).get<double>();
       truth.classes.origin_y = json.at("origin").at(1).get<double>();

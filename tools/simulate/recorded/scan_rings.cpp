@@ -5,20 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <numbers>
 #include <stdexcept>
+
+#include "tools/simulate/recorded/file_bytes.hpp"
 
 namespace curbstone::simulate::recorded {
 
 namespace {
-
-std::string ring_bytes(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw std::runtime_error(fmt::format("{}: cannot be read", file));
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
 
 std::vector<std::uint8_t> ring_file(const std::string& scan_file, std::size_t points) {
   namespace fs = std::filesystem;
@@ -27,7 +21,7 @@ std::vector<std::uint8_t> ring_file(const std::string& scan_file, std::size_t po
   for (const fs::path& rings : {folder.parent_path() / "rings", folder / "rings"}) {
     const fs::path file = rings / scan.filename();
     if (!fs::exists(file)) continue;
-    const std::string bytes = ring_bytes(file.string());
+    const std::string bytes = file_bytes(file.string());
     if (bytes.size() != points)
       throw std::runtime_error(fmt::format("{}: {} rings for {} points", file.string(), bytes.size(), points));
     std::vector<std::uint8_t> from_top(bytes.begin(), bytes.end());

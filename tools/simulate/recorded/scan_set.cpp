@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -11,7 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "tools/simulate/recorded/scan_rings.hpp"
+#include "tools/simulate/recorded/scan_file.hpp"
 
 namespace curbstone::simulate::recorded {
 
@@ -132,27 +131,13 @@ ScanSet find_scans(const std::string& folder, const std::string& poses_file, con
 }
 
 std::vector<ScanPoint> read_scan(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  const std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  constexpr std::size_t kRecord = 4 * sizeof(float);
-  if (!in || bytes.size() % kRecord != 0)
-    throw std::runtime_error(fmt::format("{}: no scan of float32 x y z intensity", file));
-  // KITTI's intensity is 0..1 as published, and 0..255 in some conversions.
-  std::vector<std::array<float, 4>> records(bytes.size() / kRecord);
-  std::memcpy(records.data(), bytes.data(), bytes.size());
-  const bool unit = std::all_of(records.begin(), records.end(), [](const auto& r) { return !(r[3] > 1.0F); });
-  std::vector<Eigen::Vector3f> positions;
-  positions.reserve(records.size());
-  for (const auto& r : records) positions.emplace_back(r[0], r[1], r[2]);
-  const std::vector<std::uint8_t> rings = rings_of(positions, file);
+  const ScanFile scan = read_scan_file(file);
   std::vector<ScanPoint> points;
-  points.reserve(records.size());
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    const auto& r = records[i];
-    const Eigen::Vector3f& p = positions[i];
+  points.reserve(scan.positions.size());
+  for (std::size_t i = 0; i < scan.positions.size(); ++i) {
+    const Eigen::Vector3f& p = scan.positions[i];
     if (!p.allFinite() || p.squaredNorm() < 1.0F || p.squaredNorm() > 1e6F) continue;
-    const float intensity = std::clamp(unit ? r[3] * 255.0F : r[3], 0.0F, 255.0F);
-    points.push_back({p, static_cast<std::uint8_t>(std::isfinite(intensity) ? intensity : 0.0F), rings[i]});
+    points.push_back({p, scan.intensities[i], scan.rings[i]});
   }
   return points;
 }

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "common/json/json_text.hpp"
 #include "tools/simulate/truth/class_grid.hpp"
 #include "tools/simulate/truth/curb_lines.hpp"
 
@@ -113,7 +114,7 @@ void write_drive_truth(const std::string& folder, const TruthInfo& info, const m
   } else {
     json["classes"] = nullptr;
   }
-  write_file(folder, "truth.json", json.dump(2) + "\n");
+  write_file(folder, "truth.json", json_text(json, 2) + "\n");
 }
 
 }  // namespace curbstone::simulate::truth

@@ -87,11 +87,8 @@ double join(double a, double b) {
   return std::max(kCornerRadius, std::min(a, b)) - std::hypot(u, v);
 }
 
-}  // namespace
-
-Ground build_ground(const std::vector<Street>& streets, std::size_t inside, const StreetProfile& profile,
-                    numerics::Random random) {
-  const Terrain terrain(profile.steepness, random.fork(1));
+/// Flat ground with a margin around the first `inside` streets.
+Ground flat_ground(const std::vector<Street>& streets, std::size_t inside, const StreetProfile& profile) {
   Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
   for (std::size_t i = 0; i < inside; ++i) {
     for (const auto& sample : streets[i].samples()) {
@@ -101,30 +98,32 @@ Ground build_ground(const std::vector<Street>& streets, std::size_t inside, cons
   }
   low.array() -= kMargin;
   high.array() += kMargin;
-  Ground ground(low.x(), low.y(), static_cast<int>((high.x() - low.x()) / Ground::kPitch) + 1,
-                static_cast<int>((high.y() - low.y()) / Ground::kPitch) + 1, profile);
-  // The combined values of a node, accumulated street by street, because all fields of a large town do not fit in
-  // memory.
-  struct Blend {
-    double distance = kFar, weights = 0, curb = 0, pavement = 0;
-  };
-  std::vector<Blend> blends(static_cast<std::size_t>(ground.width()) * static_cast<std::size_t>(ground.height()));
-  for (std::size_t i = 0; i < streets.size(); ++i) {
-    const StreetField field = measure(streets[i], ground);
-    for (std::size_t k = 0; k < blends.size(); ++k) {
-      Blend& blend = blends[k];
-      const auto own = static_cast<double>(field.distance[k]);
-      if (own >= kFar) continue;
-      blend.distance = i == 0 ? own : join(blend.distance, own);
-      const Side side = field.side[k] > 0 ? Side::kLeft : Side::kRight;
-      const auto s = static_cast<double>(field.s[k]);
-      // Blends the curbs of two streets around a corner.
-      const double weight = 1.0 / ((0.2 + std::abs(own)) * (0.2 + std::abs(own)));
-      blend.weights += weight;
-      blend.curb += weight * streets[i].curb(side).height(s, streets[i].length(), streets[i].closed());
-      blend.pavement += weight * streets[i].curb(side).full_height(s, streets[i].length(), streets[i].closed());
-    }
+  return {low.x(), low.y(), static_cast<int>((high.x() - low.x()) / Ground::kPitch) + 1,
+          static_cast<int>((high.y() - low.y()) / Ground::kPitch) + 1, profile};
+}
+
+/// What several streets make of a node together.
+struct Blend {
+  double distance = kFar, weights = 0, curb = 0, pavement = 0;
+};
+
+void add(const Street& street, const StreetField& field, bool is_first, std::vector<Blend>& blends) {
+  for (std::size_t k = 0; k < blends.size(); ++k) {
+    Blend& blend = blends[k];
+    const auto own = static_cast<double>(field.distance[k]);
+    if (own >= kFar) continue;
+    blend.distance = is_first ? own : join(blend.distance, own);
+    const Side side = field.side[k] > 0 ? Side::kLeft : Side::kRight;
+    const auto s = static_cast<double>(field.s[k]);
+    // Blends the curbs of two streets around a corner.
+    const double weight = 1.0 / ((0.2 + std::abs(own)) * (0.2 + std::abs(own)));
+    blend.weights += weight;
+    blend.curb += weight * street.curb(side).height(s, street.length(), street.closed());
+    blend.pavement += weight * street.curb(side).full_height(s, street.length(), street.closed());
   }
+}
+
+void shape(Ground& ground, const Terrain& terrain, const std::vector<Blend>& blends) {
   std::size_t k = 0;
   for (int iy = 0; iy < ground.height(); ++iy) {
     for (int ix = 0; ix < ground.width(); ++ix, ++k) {
@@ -139,6 +138,18 @@ Ground build_ground(const std::vector<Street>& streets, std::size_t inside, cons
     }
   }
   ground.finish();
+}
+
+}  // namespace
+
+Ground build_ground(const std::vector<Street>& streets, std::size_t inside, const StreetProfile& profile,
+                    numerics::Random random) {
+  const Terrain terrain(profile.steepness, random.fork(1));
+  Ground ground = flat_ground(streets, inside, profile);
+  // Street by street, because all fields of a large town do not fit in memory.
+  std::vector<Blend> blends(static_cast<std::size_t>(ground.width()) * static_cast<std::size_t>(ground.height()));
+  for (std::size_t i = 0; i < streets.size(); ++i) add(streets[i], measure(streets[i], ground), i == 0, blends);
+  shape(ground, terrain, blends);
   return ground;
 }
 

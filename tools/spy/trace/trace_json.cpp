@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/json/json_text.hpp"
 #include "common/terminal/terminal_table.hpp"
 
 namespace curbstone::spy::trace {
@@ -139,9 +140,8 @@ std::string trace_json(const ChainTrace& trace) {
     row += kLanes;
   }
   add_statuses(trace.statuses(), begin, events);
-  return Json{
-      {"traceEvents", std::move(events)}, {"displayTimeUnit", "ms"}, {"otherData", {{"left_out", trace.left_out()}}}}
-      .dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(Json{
+      {"traceEvents", std::move(events)}, {"displayTimeUnit", "ms"}, {"otherData", {{"left_out", trace.left_out()}}}});
 }
 
 }  // namespace curbstone::spy::trace

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/statistics/quantile.hpp"
+
 namespace curbstone::bench::curbs::scores {
 
 namespace {
@@ -27,12 +29,6 @@ const evaluate::truth::TrueCurbPoint* nearest_truth(const std::vector<evaluate::
     nearest = d;
   }
   return best;
-}
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 void score_recall(const std::vector<evaluate::CurbFoot>& detections, const evaluate::truth::StreetLabels& truth,
@@ -89,9 +85,9 @@ StreetScore score_street(const std::vector<evaluate::CurbFoot>& detections, cons
     lateral.push_back((d.at.x - t->x) * d.up.x + (d.at.y - t->y) * d.up.y);
   }
   if (!lateral.empty()) {
-    score.bias = median(lateral);
+    score.bias = quantile_in_place(lateral, 0.5);
     for (double& l : lateral) l = std::abs(l - score.bias);
-    score.spread = 1.4826 * median(lateral);
+    score.spread = 1.4826 * quantile_in_place(lateral, 0.5);
   }
   score_recall(detections, truth, tolerance, range, score);
   return score;

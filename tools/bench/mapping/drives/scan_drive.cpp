@@ -3,15 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <stdexcept>
 
-#include "tools/simulate/recorded/scan_rings.hpp"
+#include "tools/simulate/recorded/scan_file.hpp"
 
 namespace curbstone::bench::mapping::drives {
 namespace {
@@ -19,12 +16,6 @@ namespace {
 constexpr std::int64_t kEpoch = 1'317'000'000'000'000;  // us, of the first scan: the times in the files begin at 0
 constexpr std::int64_t kMaxSweepInterval = 100'000;     // us; scans farther apart were thinned out
 constexpr float kMinRange = 0.4F, kMaxRange = 120.0F;   // m, as in the assembler
-
-std::string bytes_of(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw std::runtime_error(fmt::format("{}: cannot be read", file));
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
 
 simulate::recorded::ScanSet selected(const simulate::recorded::ScanSet& all, const ScanDrive::Selection& selection) {
   simulate::recorded::ScanSet some = all;
@@ -65,17 +56,7 @@ void ScanDrive::add_odometry(const std::vector<mapper::scan::OdometrySample>& sa
 }
 
 mapper::scan::Scan ScanDrive::scan(std::size_t scan) const {
-  const std::string& file = scans_.files[scan];
-  const std::string bytes = bytes_of(file);
-  constexpr std::size_t kRecord = 4 * sizeof(float);
-  if (bytes.size() % kRecord != 0)
-    throw std::runtime_error(fmt::format("{}: no scan of float32 x y z intensity", file));
-  std::vector<std::array<float, 4>> records(bytes.size() / kRecord);
-  std::memcpy(records.data(), bytes.data(), bytes.size());
-  std::vector<Eigen::Vector3f> points;
-  for (const auto& r : records) points.emplace_back(r[0], r[1], r[2]);
-  const std::vector<std::uint8_t> rings = simulate::recorded::rings_of(points, file);
-  const bool unit = std::all_of(records.begin(), records.end(), [](const auto& r) { return !(r[3] > 1.0F); });
+  const simulate::recorded::ScanFile file = simulate::recorded::read_scan_file(scans_.files[scan]);
 
   mapper::scan::Scan out;
   out.number = static_cast<std::int32_t>(scan);
@@ -85,14 +66,12 @@ mapper::scan::Scan ScanDrive::scan(std::size_t scan) const {
     out.end = out.start + sweep_;
   }
   const float sweep = 1e-6F * static_cast<float>(out.end - out.start);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3f& p = points[i];
+  for (std::size_t i = 0; i < file.positions.size(); ++i) {
+    const Eigen::Vector3f& p = file.positions[i];
     const float range = p.norm();
     if (!(range > kMinRange && range < kMaxRange)) continue;
     const float turn = 0.5F * (1 - std::atan2(p.y(), p.x()) / std::numbers::pi_v<float>);
-    const float intensity = records[i][3] * (unit ? 255.0F : 1.0F);
-    out.points.push_back({p, std::clamp(turn, 0.0F, 1.0F) * sweep,
-                          static_cast<std::uint8_t>(intensity > 0 ? std::min(intensity, 255.0F) : 0.0F), rings[i]});
+    out.points.push_back({p, std::clamp(turn, 0.0F, 1.0F) * sweep, file.intensities[i], file.rings[i]});
   }
   if (scans_.swept) {
     std::stable_sort(
