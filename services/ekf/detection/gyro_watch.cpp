@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace curbstone::ekf::detection {
 
@@ -61,7 +62,7 @@ void GyroWatch::judge(std::size_t i, std::int64_t utime, const Eigen::Vector3d& 
     axis.smaller_changes = 0.0;
     return;
   }
-  double least = INFINITY;
+  double least = std::numeric_limits<double>::infinity();
   double most = 0.0;
   for (std::size_t k = 0; k < axes_.size(); ++k) {
     if (k == i || axes_[k].stuck) continue;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace curbstone::ekf::detection {
 
@@ -68,10 +69,11 @@ class GyroWatch {
   std::array<Axis, 3> axes_;
   Eigen::Vector3d last_ = Eigen::Vector3d::Zero();
   std::int64_t last_utime_ = 0;
-  std::int64_t stood_ = 0;   // us, when the wheels last did not turn
-  int all_repeats_ = 0;      // samples in a row in which all axes have repeated, at most kRun
-  int fine_changes_ = 0;     // changes by at most kFine, of all axes
-  double least_ = INFINITY;  // rad/s, smallest value other than zero that an axis has shown
+  std::int64_t stood_ = 0;  // us, when the wheels last did not turn
+  int all_repeats_ = 0;     // samples in a row in which all axes have repeated, at most kRun
+  int fine_changes_ = 0;    // changes by at most kFine, of all axes
+  // rad/s, smallest value other than zero that an axis has shown
+  double least_ = std::numeric_limits<double>::infinity();
   int changes_ = 0;          // of the current block, all axes
   double block_step_ = 0.0;  // rad/s, the smallest change of the current block
   double step_ = 0.0;        // rad/s, the smallest change of the block before; 0: not known yet

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace curbstone::ekf::inputs {
 
@@ -39,7 +40,7 @@ void StampJitter::add(const base::WheelSample& sample) {
 bool StampJitter::evaluate(std::size_t wheel, Error& error) const {
   std::array<double, kPoints> travel{};  // m, since the first
   std::array<double, kPoints> time{};    // s
-  double least = INFINITY;
+  double least = std::numeric_limits<double>::infinity();
   double most = 0.0;
   for (std::size_t i = 1; i < kPoints; ++i) {
     travel[i] = radius_ * (samples_[i].angle[wheel] - samples_[0].angle[wheel]);

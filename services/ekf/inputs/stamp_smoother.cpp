@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace curbstone::ekf::inputs {
@@ -75,7 +76,7 @@ double StampSmoother::height(const Point& point) const {
 }
 
 double StampSmoother::min_height(std::size_t samples) const {
-  double least = INFINITY;
+  double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = points_.size() - std::min(samples, points_.size()); i < points_.size(); ++i)
     least = std::min(least, height(points_[i]));
   return least;
