@@ -19,7 +19,7 @@ lidar_points_t a_return_of_each_laser() {
 }
 
 double elevation_of(const lidar_points_t& m, std::size_t i) {
-  return std::asin(double(m.z[i]) / std::hypot(m.x[i], m.y[i], m.z[i])) / radians(1);
+  return std::asin(double(m.z[i]) / std::hypot(double(m.x[i]), double(m.y[i]), double(m.z[i]))) / radians(1);
 }
 
 TEST(LaserFaults, OneLaserIsWrongAndTheOthersAreNot) {
@@ -53,7 +53,9 @@ TEST(PacketFaults, ALoopSendsWhatWasSentASecondAgo) {
     lidar_points_t m = some_points({{10, 0, -1}}, 1'000'000 + 1'333 * i);
     m.packet = i;
     EXPECT_EQ(loop.second_lidar(20, m), i >= 750);
-    if (i >= 750) EXPECT_EQ(m.packet, i - 750);
+    if (i >= 750) {
+      EXPECT_EQ(m.packet, i - 750);
+    }
   }
 }
 
