@@ -18,9 +18,6 @@ constexpr double kMaxWidth = 2.6;     // m
 constexpr double kMinLength = 1.2;    // m: one side of a small car seen from behind
 constexpr double kMinSide = 0.6;      // m: a side that is shorter has no direction
 constexpr double kOnSide = 0.4;       // m: largest distance of a cell from its side: windows lean inwards
-constexpr double kMinOnSide = 0.3;    // cells that stand along a side, for each cell of its length
-constexpr int kMaxStrays = 3;         // cells beyond a side, where strays may be
-constexpr double kCorner = 1.5;       // cells from the end of a side
 constexpr double kMinSideSeen = 0.7;  // share of a side's length along which cells were seen
 
 int turn(const Eigen::Vector2i& a, const Eigen::Vector2i& b, const Eigen::Vector2i& c) {
@@ -78,28 +75,6 @@ VehicleOutline::Rectangle VehicleOutline::bounds(const std::vector<Cell>& cells,
   return rectangle;
 }
 
-/// Moves a side inwards past strays: cells that are few, and none of them at a corner, where the sides beside it end.
-/// One stray would shift the whole side.
-VehicleOutline::Rectangle VehicleOutline::without_strays(const std::vector<Cell>& cells, Rectangle rectangle) {
-  for (int axis = 0; axis < 2; ++axis) {
-    const int across = 1 - axis;
-    const auto is_side = [&](double sign, double end) {
-      const double length = rectangle.most[across] - rectangle.least[across];
-      double on_side = 0;
-      for (const Cell& at : cells) {
-        if (sign * rectangle.axes.col(axis).dot(at.cast<double>()) <= end - 1) continue;
-        const double along = rectangle.axes.col(across).dot(at.cast<double>()) - rectangle.least[across];
-        if (along < kCorner || along > length - kCorner) return true;
-        ++on_side;
-      }
-      return on_side >= kMinOnSide * (length + 1);
-    };
-    for (int i = 0; i < kMaxStrays && !is_side(1, rectangle.most[axis]); ++i) rectangle.most[axis] -= 1;
-    for (int i = 0; i < kMaxStrays && !is_side(-1, -rectangle.least[axis]); ++i) rectangle.least[axis] += 1;
-  }
-  return rectangle;
-}
-
 /// Takes the better of the two sides along each axis, and of these the worse: the share of its length with seen cells.
 double VehicleOutline::sides_seen(const std::vector<Cell>& cells, const Rectangle& rectangle) {
   double worse = 1;
@@ -138,7 +113,6 @@ void VehicleOutline::complete(const std::vector<Cell>& cells) {
     smallest = area;
     rectangle_ = rectangle;
   }
-  if (rectangle_) rectangle_ = without_strays(cells, *rectangle_);
 }
 
 bool VehicleOutline::contains(Cell cell) const {

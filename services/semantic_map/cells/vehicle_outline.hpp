@@ -26,7 +26,6 @@ class VehicleOutline {
     Eigen::Vector2d most;
   };
   [[nodiscard]] static Rectangle bounds(const std::vector<Cell>& cells, const Eigen::Matrix2d& axes);
-  [[nodiscard]] static Rectangle without_strays(const std::vector<Cell>& cells, Rectangle rectangle);
   [[nodiscard]] static double sides_seen(const std::vector<Cell>& cells, const Rectangle& rectangle);
   void complete(const std::vector<Cell>& cells);
 

@@ -49,17 +49,6 @@ TEST(VehicleOutline, TwoSidesTellOfTheWholeRectangle) {
   }
 }
 
-TEST(VehicleOutline, AFewStraysBesideASideDoNotShiftIt) {
-  Cells cells = seen_from_behind(0);
-  for (const int y : {27, 28}) cells.emplace_back(19, y);
-  const auto outline = VehicleOutline::of(cells);
-  ASSERT_TRUE(outline);
-  EXPECT_TRUE(outline->contains({19, 27}));
-  EXPECT_FALSE(outline->contains({19, 33}));
-  EXPECT_TRUE(outline->contains({20, 33}));
-  EXPECT_TRUE(outline->contains({54, 34})) << "the corner that nobody saw";
-}
-
 TEST(VehicleOutline, WindowsMayLeanInwards) {
   Cells cells;
   add_line(cells, {20, 20}, {35, 20});
