@@ -42,7 +42,8 @@ struct DenseConfig {
             "s for which the first standstill has a map of its own, unless the vehicle moves before");
     v.field("standing_s", standing_s, {0.0, 600.0}, "s of standstill after which nothing new is added");
     v.field("free_range", free_range, {0.0, 50.0},
-            "m within which points that beams pass through are removed; 0: never");
+            "m within which points that beams pass through are removed, and behind the vehicle new ones up to "
+            "max_range; 0: never");
     v.field("ring_scale", ring_scale, "intensities of all rings on one scale, learned on the road: its median is 64");
     v.field("awake", awake, {0.0, 1000.0},
             "m beyond max_range; tiles farther from the vehicle sleep: only their records are kept");

@@ -22,12 +22,12 @@ constexpr double kFits = 0.05;          // m: median misfit of a laser that is r
 constexpr double kRightOff = 0.06;      // and its offset
 constexpr double kExplains = 0.5;       // of the misfit: what is left if the right angle was found
 
-using Distances = std::array<float, kWays>;  // as LaserDistances::level
+using Distances = std::array<float, kNumDirections>;  // as LaserDistances::level
 
 /// Where both lasers meet an upright surface, how far it is; elsewhere 0.
 Distances upright(const Distances& below, const Distances& above) {
   Distances both{};
-  for (std::size_t i = 0; i < kWays; ++i) {
+  for (std::size_t i = 0; i < kNumDirections; ++i) {
     const float near = std::min(below[i], above[i]), far = std::max(below[i], above[i]);
     if (near >= kNearest && far <= kFarthest && far - near < kSameFar + kSameFarShare * near)
       both[i] = 0.5F * (near + far);
@@ -44,8 +44,8 @@ struct Fit {
 /// How the laser's distances fit the surfaces if it is turned by `shift`. Nothing if too few can be compared.
 std::optional<Fit> fit(const Distances& laser, const Distances& surfaces, int shift, std::vector<double>& differences) {
   differences.clear();
-  for (int i = 0; i < kWays; ++i) {
-    const float surface = surfaces[static_cast<std::size_t>((i + shift + kWays) % kWays)];
+  for (int i = 0; i < kNumDirections; ++i) {
+    const float surface = surfaces[static_cast<std::size_t>((i + shift + kNumDirections) % kNumDirections)];
     const float distance = laser[static_cast<std::size_t>(i)];
     if (surface > 0 && distance > 0) differences.push_back(static_cast<double>(distance - surface));
   }
@@ -68,7 +68,7 @@ std::optional<LaserAlignment::Error> error_of(const Distances& laser, const Dist
     if (turned && turned->misfit < best.misfit) best = *turned;
   }
   if (std::abs(best.shift) == kMostAside || best.misfit > kExplains * as_it_is->misfit) return std::nullopt;
-  return LaserAlignment::Error{kWayDegrees * best.shift, best.off};
+  return LaserAlignment::Error{kDirectionDegrees * best.shift, best.off};
 }
 
 }  // namespace
@@ -95,7 +95,7 @@ void LaserAlignment::judge(std::size_t ring, const Error& error) {
     return;
   }
   laser.right = 0;
-  const bool goes_on = laser.looks > 0 && std::abs(error.aside - laser.error.aside) < 1.5 * kWayDegrees &&
+  const bool goes_on = laser.looks > 0 && std::abs(error.aside - laser.error.aside) < 1.5 * kDirectionDegrees &&
                        std::abs(error.off - laser.error.off) < kOff;
   laser.error = error;
   laser.looks = goes_on ? laser.looks + 1 : 1;
@@ -113,7 +113,7 @@ void LaserAlignment::withhold(scan::Scan& scan) {
 }
 
 void LaserAlignment::add_faults(std::vector<std::string>& faults) const {
-  for (std::size_t ring = 0; ring < kWayLasers && any_wrong(); ++ring) {
+  for (std::size_t ring = 0; ring < kMaxLasers && any_wrong(); ++ring) {
     if (!is_wrong(ring)) continue;
     const Error& error = lasers_[ring].error;
     const std::string what =

@@ -33,7 +33,7 @@ class LaserAlignment {
   /// Removes the points of the wrong lasers, if they are few.
   void withhold(scan::Scan& scan);
   [[nodiscard]] bool any_wrong() const { return num_wrong_ > 0; }
-  [[nodiscard]] bool is_wrong(std::size_t ring) const { return ring < kWayLasers && lasers_[ring].wrong; }
+  [[nodiscard]] bool is_wrong(std::size_t ring) const { return ring < kMaxLasers && lasers_[ring].wrong; }
   void add_faults(std::vector<std::string>& faults) const;
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -53,7 +53,7 @@ class LaserAlignment {
   void judge(std::size_t ring, const Error& error);
   [[nodiscard]] bool are_few() const { return 4 * num_wrong_ <= num_lasers_; }
 
-  std::array<Laser, kWayLasers> lasers_{};
+  std::array<Laser, kMaxLasers> lasers_{};
   int num_wrong_ = 0;
   int num_lasers_ = 0;
   Counters counters_;

@@ -30,7 +30,7 @@ enum class Order { kUnknown, kRight, kWrong };
 
 Order order_of(const LaserDistances& low, const LaserDistances& high) {
   int telling = 0, wrong = 0;
-  for (std::size_t i = 0; i < kWays; ++i) {
+  for (std::size_t i = 0; i < kNumDirections; ++i) {
     const float below = low.level[i], above = high.level[i];
     if (below == 0 || above == 0) continue;
     if (below > kDiffer * above) {
@@ -96,7 +96,7 @@ void LaserOrder::check(const std::vector<LaserDistances>& lasers) {
 
 std::vector<int> LaserOrder::wrong() const {
   std::vector<int> rings;
-  for (std::size_t ring = 0; ring < kWayLasers; ++ring) {
+  for (std::size_t ring = 0; ring < kMaxLasers; ++ring) {
     if (lasers_[ring].wrong) rings.push_back(static_cast<int>(ring));
   }
   return rings;
@@ -105,7 +105,7 @@ std::vector<int> LaserOrder::wrong() const {
 void LaserOrder::withhold(scan::Scan& scan) {
   if (!are_few()) return;
   const auto removed = std::erase_if(scan.points, [this](const scan::LidarPoint& point) {
-    return point.ring < kWayLasers && lasers_[point.ring].wrong;
+    return point.ring < kMaxLasers && lasers_[point.ring].wrong;
   });
   counters_.add("withheld.laser_order", static_cast<std::int64_t>(removed));
 }

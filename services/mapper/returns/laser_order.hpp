@@ -46,7 +46,7 @@ class LaserOrder {
   [[nodiscard]] bool are_few() const { return 4 * wrong().size() <= num_judged_; }
 
   float up_;
-  std::array<Laser, kWayLasers> lasers_{};
+  std::array<Laser, kMaxLasers> lasers_{};
   std::size_t num_judged_ = 0;
   Counters counters_;
 };

@@ -8,15 +8,15 @@
 
 namespace curbstone::mapper::returns {
 
-constexpr int kWays = 720;               ///< directions about the LiDAR, half a degree each
-constexpr double kWayDegrees = 0.5;      ///< deg
-constexpr std::size_t kWayLasers = 128;  ///< rings above are left out
+constexpr int kNumDirections = 720;        ///< directions about the LiDAR, half a degree each
+constexpr double kDirectionDegrees = 0.5;  ///< deg
+constexpr std::size_t kMaxLasers = 128;    ///< rings above are left out
 
 /// What one laser saw in a revolution.
 struct LaserDistances {
-  std::array<float, kWays> level{};  ///< m, of the first return in each direction, in the plane; 0: none
-  float rise = 0;                    ///< of its beam, m up per m level, mean
-  int returns = 0;                   ///< directions with one
+  std::array<float, kNumDirections> level{};  ///< m, of the first return in each direction, in the plane; 0: none
+  float rise = 0;                             ///< of its beam, m up per m level, mean
+  int returns = 0;                            ///< directions with one
 };
 
 /// By ring.

@@ -42,7 +42,7 @@ class LaserAlignmentTest : public ::testing::Test {
   }
   std::vector<int> wrong() const {
     std::vector<int> rings;
-    for (std::size_t ring = 0; ring < kWayLasers; ++ring) {
+    for (std::size_t ring = 0; ring < kMaxLasers; ++ring) {
       if (alignment_.is_wrong(ring)) rings.push_back(static_cast<int>(ring));
     }
     return rings;
