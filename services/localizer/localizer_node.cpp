@@ -26,6 +26,7 @@ constexpr double kMaxSpeed = 40.0;       // m/s: faster odometry has started ane
 constexpr double kMaxTurn = 6.0;         // rad/s
 constexpr double kStartTilt = 0.02;      // rad, 1 sigma of roll and pitch at the start
 constexpr double kStartHeight = 0.15;    // m
+constexpr int kPlane = 0b11;             // bits of PoseFit::degenerate
 constexpr double kUnknown = 1000.0;      // m and rad, 1 sigma of an unknown pose
 
 }  // namespace
@@ -40,6 +41,7 @@ LocalizerNode::LocalizerNode(const LocalizerConfig& config, Publisher& bus)
   epoch_ = file_.epoch();
   const auto keys = file_.tile_keys();
   map_.emplace(keys, [this](TileKey key) { return read(key); });
+  map_->set_paint(fields::PaintField(file_.markings()));
   is_checked_ = true;
   if (map_->num_tiles() == 0)
     throw semantic_map::store::MapStoreError(config_.map + ": holds no tiles to find the vehicle by");
@@ -115,12 +117,15 @@ void LocalizerNode::process(const mapper::scan::Scan& scan) {
   const double sweep_seconds = std::max(mapper::scan::seconds(scan.start, scan.end), 0.001);
   const mapper::scan::SweepMotion sweep = covered ? mapper::scan::sweep_from(odometry_, scan.start, scan.end)
                                                   : mapper::scan::steady_sweep(twist_, sweep_seconds);
-  const auto points = thinner_.thin(mapper::scan::deskew(scan.points, config_.vehicle.T_base_lidar(), sweep));
-  const tracking::PoseFit fit = tracker_ ? tracker_->track(points, motion, *map_) : tracking::PoseFit{};
+  const auto deskewed = mapper::scan::deskew(scan.points, config_.vehicle.T_base_lidar(), sweep);
+  tracking::ThinnedScan thinned{thinner_.thin(deskewed)};
+  if (covered && !map_->paint().empty()) thinned.paint = paint_.find(deskewed, odometry_.at(scan.end));
+  const tracking::PoseFit fit = tracker_ ? tracker_->track(thinned, motion, *map_) : tracking::PoseFit{};
+  held_beside_ = (fit.degenerate & kPlane) != 0 && fit.held_share() >= config_.tracking.min_match;
   if (!lost() || !covered || !motion.with_odometry)
     global_localizer_.restart();
   else
-    search_globally(scan, points, motion);
+    search_globally(scan, thinned.points, motion);
   latency_.add(static_cast<double>(steady_clock() - begun) * 1e-6);
   last_end_ = scan.end;
   odometry_.forget_before(scan.start - 100'000);
@@ -265,7 +270,13 @@ NodeReport LocalizerNode::report() const {
         fmt::format("{}: another drive has begun in this file, and only what was read of it before is used: "
                     "localizer.map must not be the file that semantic_map writes",
                     config_.map));
-  if (tracker_ && lost()) report.faults.push_back(fmt::format("lost: {} does not show what is seen here", config_.map));
+  if (tracker_ && lost()) {
+    report.faults.push_back(held_beside_
+                                ? fmt::format("lost along the street: {} shows only what looks the same everywhere "
+                                              "there; drive on",
+                                              config_.map)
+                                : fmt::format("lost: {} does not show what is seen here", config_.map));
+  }
   if (begun_ && !tracker_) report.faults.push_back(fmt::format("not found yet in {}", config_.map));
   if (lost() && global_localizer_.ambiguous())
     report.faults.push_back(fmt::format("several places of {} look like this one", config_.map));

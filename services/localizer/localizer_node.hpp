@@ -12,6 +12,7 @@
 #include "services/localizer/localizer_config.hpp"
 #include "services/localizer/search/global_localizer.hpp"
 #include "services/localizer/tracking/clock_step_bridge.hpp"
+#include "services/localizer/tracking/paint_finder.hpp"
 #include "services/localizer/tracking/pose_tracker.hpp"
 #include "services/localizer/tracking/thinned_scan.hpp"
 #include "services/mapper/scan/lidar_clock.hpp"
@@ -72,6 +73,8 @@ class LocalizerNode final : public Node {
   mapper::scan::ScanAssembler assembler_;
   mapper::scan::OdometryHistory odometry_;
   tracking::ScanThinner thinner_;
+  tracking::PaintFinder paint_;
+  bool held_beside_ = false;  // the last revolution fits the map, which does not tell all of the place
   std::unique_ptr<tracking::PoseTracker> tracker_;  // null until there is a start pose
   search::GlobalLocalizer global_localizer_;
   bool begun_ = false;  // since the first revolution with odometry

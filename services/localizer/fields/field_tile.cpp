@@ -16,6 +16,9 @@ constexpr int kPatch = 2;     // cells in each direction that determine the dire
 constexpr int kMinHits = 2;   // of the dense map: the inside of a vehicle's outline was never seen
 constexpr int kMaxHits = 20;  // more hits do not make the position of a tall wall more certain
 constexpr float kLineShare = 0.15F;  // minor over major variance of a line, at most
+constexpr float kEdge = 0.08F;       // slope: 7 sigma of level ground if the heights have 1 cm of noise
+constexpr float kMinCells = 12;      // of 25, that show ground
+constexpr int kAxes = 255;           // directions of a rise, in half a turn
 constexpr int kMargin = FieldTile::kReach + kPatch;
 
 /// A cell of the tile or of a neighbouring tile.
@@ -85,6 +88,40 @@ void add_heights(const Around<MapTile>& tiles, FieldTile& field) {
   field.level = *middle;
 }
 
+/// Slope of the plane through the heights around a cell; zero where too little ground was seen.
+Eigen::Vector2f slope_about(const FieldTile& field, int column, int row) {
+  Eigen::Matrix3f square = Eigen::Matrix3f::Zero();
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (int r = std::max(-1, row - kPatch); r <= std::min(kCellsPerTile, row + kPatch); ++r) {
+    for (int c = std::max(-1, column - kPatch); c <= std::min(kCellsPerTile, column + kPatch); ++c) {
+      const float height = field.height_of(c, r);
+      if (!std::isfinite(height)) continue;
+      const Eigen::Vector3f at(static_cast<float>(c - column), static_cast<float>(r - row), 1);
+      square += at * at.transpose();
+      sum += (height - field.level) * at;
+    }
+  }
+  if (square(2, 2) < kMinCells) return Eigen::Vector2f::Zero();
+  return square.ldlt().solve(sum).head<2>() / static_cast<float>(kCellSize);
+}
+
+/// The value of FieldTile::rise for an axis: 1 to 255 for angles from -pi/2 to pi/2.
+std::uint8_t axis_along(const Eigen::Vector2f& direction) {
+  const double angle = std::atan(double{direction.y()} / double{direction.x()});
+  return static_cast<std::uint8_t>(1 + std::lround((angle + M_PI_2) / M_PI * kAxes) % kAxes);
+}
+
+/// Finds the edges of the ground. Their direction is that of the ground around: that of one cell has the noise of its
+/// heights, which along a straight curb would look like knowledge of the place.
+void add_edges(FieldTile& field) {
+  for (int row = 0; row < kCellsPerTile; ++row) {
+    for (int column = 0; column < kCellsPerTile; ++column) {
+      const Eigen::Vector2f slope = slope_about(field, column, row);
+      if (slope.norm() > kEdge) field.rise[static_cast<std::size_t>(row * kCellsPerTile + column)] = axis_along(slope);
+    }
+  }
+}
+
 void add_uprights(const Around<MapTile>& tiles, FieldTile& field) {
   HitWindow hits{};
   for (int row = -kMargin; row < kCellsPerTile + kMargin; ++row) {
@@ -126,6 +163,19 @@ void add_curbs(const Around<MapTile>& tiles, FieldTile& field) {
 
 }  // namespace
 
+const Eigen::Vector2d& rise_of(std::uint8_t axis) {
+  static const auto axes = [] {
+    std::array<Eigen::Vector2d, kAxes + 1> all;
+    all[0].setZero();
+    for (int i = 0; i < kAxes; ++i) {
+      const double angle = i * M_PI / kAxes - M_PI_2;
+      all[static_cast<std::size_t>(i + 1)] = {std::cos(angle), std::sin(angle)};
+    }
+    return all;
+  }();
+  return axes[axis];
+}
+
 bool shows_ground(const MapTile& tile, std::size_t cell) {
   const CellClass what = tile.cell_class[cell];
   return (what == CellClass::kRoad || what == CellClass::kCurb) && tile.height[cell] != MapTile::kNoHeight;
@@ -140,6 +190,7 @@ int upright_hits(const MapTile& tile, std::size_t cell) {
 FieldTile make_field_tile(const Around<MapTile>& tiles) {
   FieldTile field;
   add_heights(tiles, field);
+  add_edges(field);
   add_uprights(tiles, field);
   add_curbs(tiles, field);
   return field;

@@ -28,6 +28,9 @@ struct FieldTile {
   /// m in map, at the cells' centres: (column, row) = (-1, -1) first; NaN: no ground was seen
   std::array<float, std::size_t{kSide} * kSide> height{};
   float level = 0;  ///< m in map, median of the heights; NaN: none
+  /// The axis along which the ground rises, for each cell of an edge: a curb, a ditch, a steep bank. See rise_of(). 0
+  /// elsewhere: between the edges the slope is too small to be told from the noise of the heights.
+  std::array<std::uint8_t, semantic_map::tile::kCellsInTile> rise{};
   std::array<std::uint16_t, semantic_map::tile::kCellsInTile> nearest{};  ///< 1 + index of uprights; 0: none in reach
   std::vector<Upright> uprights;
   std::bitset<semantic_map::tile::kCellsInTile> by_curb;  ///< a cell of a curb is in reach
@@ -36,6 +39,9 @@ struct FieldTile {
     return height[static_cast<std::size_t>((row + 1) * kSide + column + 1)];
   }
 };
+
+/// A unit vector along the axis FieldTile::rise; zero for 0.
+[[nodiscard]] const Eigen::Vector2d& rise_of(std::uint8_t axis);
 
 /// Whether a cell of the map shows ground with its height. The number of hits on upright structures in a cell; 0: none.
 [[nodiscard]] bool shows_ground(const semantic_map::tile::MapTile& tile, std::size_t cell);

@@ -134,7 +134,10 @@ std::optional<SavedMap::Ground> SavedMap::ground_at(double x, double y) {
   Ground ground;
   ground.height = (1 - v) * ((1 - u) * a + u * b) + v * ((1 - u) * c + u * d);
   if (!std::isfinite(ground.height)) return std::nullopt;
-  ground.slope = Eigen::Vector2d((1 - v) * (b - a) + v * (d - c), (1 - u) * (c - a) + u * (d - b)) / kCellSize;
+  const Eigen::Vector2d& rise = rise_of(field->rise[place.cell()]);
+  const Eigen::Vector2d slope =
+      Eigen::Vector2d((1 - v) * (b - a) + v * (d - c), (1 - u) * (c - a) + u * (d - b)) / kCellSize;
+  ground.slope = rise * rise.dot(slope);
   ground.by_curb = field->by_curb.test(place.cell());
   return ground;
 }

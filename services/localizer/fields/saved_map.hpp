@@ -7,9 +7,11 @@
 #include <memory>
 #include <optional>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "services/localizer/fields/field_tile.hpp"
+#include "services/localizer/fields/paint_field.hpp"
 
 namespace curbstone::localizer::fields {
 
@@ -53,6 +55,9 @@ class SavedMap {
   };
   /// The nearest upright structure within about 0.6 m.
   [[nodiscard]] std::optional<UprightThere> upright_at(double x, double y);
+  /// The road markings; none before they are set.
+  [[nodiscard]] const PaintField& paint() const { return paint_; }
+  void set_paint(PaintField paint) { paint_ = std::move(paint); }
   [[nodiscard]] std::size_t num_tiles() const { return plans_.size(); }
   [[nodiscard]] std::vector<TileKey> keys() const;  ///< in order
   /// The plan of a tile; null if the map has no such tile.
@@ -69,6 +74,7 @@ class SavedMap {
   void make_room(TileKey about);
 
   TileSource source_;
+  PaintField paint_;
   std::unordered_map<TileKey, TilePlan, TileKeyHash> plans_;
   std::unordered_map<TileKey, Tile, TileKeyHash> tiles_;  // nothing: the tile could not be read
   std::size_t unreadable_ = 0;

@@ -59,7 +59,7 @@ double ParticleFilter::normal(std::size_t particle, int draw) const {
   return std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);
 }
 
-tracking::PoseFit ParticleFilter::track(const std::vector<Eigen::Vector3d>& points, const tracking::Motion& motion,
+tracking::PoseFit ParticleFilter::track(const tracking::ThinnedScan& scan, const tracking::Motion& motion,
                                         fields::SavedMap& map) {
   T_update_base_ = normalised(T_update_base_ * motion.T_last_base);
   belief_.T_map_base = normalised(belief_.T_map_base * motion.T_last_base);
@@ -69,7 +69,7 @@ tracking::PoseFit ParticleFilter::track(const std::vector<Eigen::Vector3d>& poin
     ++update_;
     move(T_update_base_);
     T_update_base_ = Pose::Identity();
-    weigh(points, map);
+    weigh(scan.points, map);
     resample();
     summarise(map);
   }

@@ -17,7 +17,7 @@ class ParticleFilter final : public tracking::PoseTracker {
   ParticleFilter(const tracking::PoseBelief& start, const MonteCarloConfig& config,
                  const tracking::TrackingConfig& odometry);
 
-  tracking::PoseFit track(const std::vector<Eigen::Vector3d>& points, const tracking::Motion& motion,
+  tracking::PoseFit track(const tracking::ThinnedScan& scan, const tracking::Motion& motion,
                           fields::SavedMap& map) override;
   [[nodiscard]] const tracking::PoseBelief& belief() const override { return belief_; }
   [[nodiscard]] tracking::Matrix6 published_covariance() const override { return belief_.covariance; }

@@ -28,7 +28,7 @@ void Hypotheses::update(const std::vector<Eigen::Vector3d>& points, const tracki
   ++revolutions_;
   for (Hypothesis& one : alive_) {
     one.belief = predicted(one.belief, motion, config_);
-    one.fit = fit_pose(points, one.belief, map, config_);
+    one.fit = fit_pose({points}, one.belief, map, config_);
     const bool usable = is_finite(one.fit.belief.T_map_base) && one.fit.belief.covariance.allFinite();
     if (usable && one.fit.matched_share() > 0) one.belief = one.fit.belief;
   }

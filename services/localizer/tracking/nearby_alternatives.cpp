@@ -56,12 +56,12 @@ bool lies_along_degenerate_axis(const PoseFit& own, const PoseFit& other) {
 
 }  // namespace
 
-std::optional<PoseFit> NearbyAlternatives::better_than(const PoseFit& own, const std::vector<Eigen::Vector3d>& points,
-                                                       int count, fields::SavedMap& map, const TrackingConfig& config) {
+std::optional<PoseFit> NearbyAlternatives::better_than(const PoseFit& own, const ThinnedScan& scan, int count,
+                                                       fields::SavedMap& map, const TrackingConfig& config) {
   std::optional<PoseFit> best;
   for (int i = 0; i < count; ++i, next_ = (next_ + 1) % kPlaces) {
     seen_ = std::min(seen_ + 1, kPlaces);
-    const PoseFit other = fit_pose(points, prior_at(own.belief.T_map_base, next_), map, config);
+    const PoseFit other = fit_pose(scan, prior_at(own.belief.T_map_base, next_), map, config);
     if (other.matched_share() == 0) continue;  // too little is seen there to decide
     const Scores against_own = scores(own, other, config);
     if (against_own.other <= against_own.own + kClearly || lies_along_degenerate_axis(own, other)) continue;

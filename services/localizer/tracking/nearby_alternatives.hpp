@@ -14,8 +14,8 @@ namespace curbstone::localizer::tracking {
 class NearbyAlternatives {
  public:
   /// Fits the next `count` places around `own`, in turn. Returns the best one if it fits clearly better than `own`.
-  [[nodiscard]] std::optional<PoseFit> better_than(const PoseFit& own, const std::vector<Eigen::Vector3d>& points,
-                                                   int count, fields::SavedMap& map, const TrackingConfig& config);
+  [[nodiscard]] std::optional<PoseFit> better_than(const PoseFit& own, const ThinnedScan& scan, int count,
+                                                   fields::SavedMap& map, const TrackingConfig& config);
   /// Whether every place was tried since restart().
   [[nodiscard]] bool all_tried() const;
   /// Call it when another pose is tracked.

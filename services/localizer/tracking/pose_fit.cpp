@@ -37,6 +37,11 @@ struct NormalSums {
     information.noalias() += weight * J * J.transpose();
     gradient.noalias() += weight * residual * J;
   }
+  /// `times`: what one of the other's points stands for.
+  void add(const NormalSums& other, double times) {
+    information += times * other.information;
+    gradient += times * other.gradient;
+  }
 };
 
 /// Derivative of `direction` . (R exp(w) p + t) by (t, w).
@@ -51,7 +56,19 @@ class PointSums {
   PointSums(const Pose& T_map_base, fields::SavedMap& map, const TrackingConfig& config)
       : T_(T_map_base), R_(T_map_base.linear()), map_(map), config_(config) {}
 
-  void add(const Eigen::Vector3d& p) {
+  /// Takes one of `every` points, and all of the paint.
+  void add(const ThinnedScan& scan, std::size_t every) {
+    for (std::size_t i = 0; i < scan.points.size(); i += every) add_point(scan.points[i]);
+    if (!config_.use_paint) return;
+    for (const Eigen::Vector3d& p : scan.paint) add_paint(p);
+  }
+
+  NormalSums structure;  // of ground and upright points
+  NormalSums paint;
+  PoseFit counts;
+
+ private:
+  void add_point(const Eigen::Vector3d& p) {
     const Eigen::Vector3d q = T_ * p;
     const auto ground = map_.ground_at(q.x(), q.y());
     const double above = q.z() - (ground ? ground->height : map_.level_at(q.x(), q.y()));
@@ -59,10 +76,16 @@ class PointSums {
     if (above > kMinUpright && above < kMaxUpright) add_upright(p, q);
   }
 
-  NormalSums sums;
-  PoseFit counts;
+  /// A point that may be of paint. On the map's paint it tells nothing, beside it how far it is off.
+  void add_paint(const Eigen::Vector3d& p) {
+    const Eigen::Vector3d q = T_ * p;
+    const auto offset = map_.paint().offset_at(q.x(), q.y());
+    if (!offset || offset->isZero()) return;
+    const double distance = offset->norm();
+    const Eigen::Vector3d n(offset->x() / distance, offset->y() / distance, 0);
+    paint.add(derivative(n, R_, p), distance, config_.paint_sigma, 3 * config_.paint_sigma);
+  }
 
- private:
   void add_ground(const Eigen::Vector3d& p, const fields::SavedMap::Ground& ground, double above) {
     ++counts.grounds;
     if (std::abs(above) < kGroundMatched) count_match(counts.grounds_matched, above);
@@ -71,7 +94,7 @@ class PointSums {
     if (!tells && ground.slope.norm() > kLevel) return;
     const Eigen::Vector2d slope = tells ? ground.slope : Eigen::Vector2d::Zero();
     const Eigen::Vector3d up(-slope.x(), -slope.y(), 1);
-    sums.add(derivative(up, R_, p), above, config_.height_sigma, 2 * config_.height_sigma);
+    structure.add(derivative(up, R_, p), above, config_.height_sigma, 2 * config_.height_sigma);
   }
 
   void add_upright(const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
@@ -86,16 +109,16 @@ class PointSums {
     const double let_go = 3 * config_.wall_sigma;
     if (is_line) {
       const Eigen::Vector3d n(there->normal.x(), there->normal.y(), 0);
-      return sums.add(derivative(n, R_, p), distance, config_.wall_sigma, let_go);
+      return structure.add(derivative(n, R_, p), distance, config_.wall_sigma, let_go);
     }
-    sums.add(derivative(Eigen::Vector3d::UnitX(), R_, p), off.x(), 2 * config_.wall_sigma, let_go);
-    sums.add(derivative(Eigen::Vector3d::UnitY(), R_, p), off.y(), 2 * config_.wall_sigma, let_go);
+    structure.add(derivative(Eigen::Vector3d::UnitX(), R_, p), off.x(), 2 * config_.wall_sigma, let_go);
+    structure.add(derivative(Eigen::Vector3d::UnitY(), R_, p), off.y(), 2 * config_.wall_sigma, let_go);
   }
 
   void count_match(int& matched, double residual) {
     ++matched;
-    ++sums.matched;
-    sums.squares += residual * residual;
+    ++structure.matched;
+    structure.squares += residual * residual;
   }
 
   const Pose& T_;
@@ -104,12 +127,32 @@ class PointSums {
   const TrackingConfig& config_;
 };
 
+/// The covariance of the pose by the revolution alone.
+Matrix6 covariance_of(const Matrix6& information) {
+  return inverse(information + 1e-3 * Matrix6::Identity());
+}
+
+/// The sums without what they tell about directions in the plane that they hardly constrain. There the noise of the map
+/// looks like a little information, the same in each revolution, and would sum up to a certainty that is none (Zhang,
+/// Kaess and Singh 2016).
+NormalSums without_weak_directions(const NormalSums& sums, double independent) {
+  NormalSums strong = sums;
+  const auto plane = eigen_pairs<2>(covariance_of(independent * sums.information).topLeftCorner<2, 2>());
+  for (int i = 0; i < 2; ++i) {
+    if (plane.values(i) < kObservablePosition * kObservablePosition) continue;
+    Matrix6 rest = Matrix6::Identity();
+    rest.topLeftCorner<2, 2>() -= plane.vectors.col(i) * plane.vectors.col(i).transpose();
+    strong.information = rest * strong.information * rest;
+    strong.gradient = rest * strong.gradient;
+  }
+  return strong;
+}
+
 /// The axes of base_link along which the revolution alone does not constrain the pose: bit i for axis i.
 int unobservable_axes(const Matrix6& information, const Eigen::Matrix3d& R) {
   Matrix6 to_base = Matrix6::Identity();
   to_base.topLeftCorner<3, 3>() = R.transpose();
-  const Matrix6 alone = inverse(information + 1e-3 * Matrix6::Identity());
-  const Matrix6 covariance = to_base * alone * to_base.transpose();
+  const Matrix6 covariance = to_base * covariance_of(information) * to_base.transpose();
   int unobservable = 0;
   for (int i = 0; i < 6; ++i) {
     const double most = i < 3 ? kObservablePosition : kObservableRotation;
@@ -143,18 +186,21 @@ Vector6 error_between(const Pose& from, const Pose& to) {
   return error;
 }
 
-PoseFit fit_pose(const std::vector<Eigen::Vector3d>& points, const PoseBelief& prior, fields::SavedMap& map,
-                 const TrackingConfig& config, double new_share) {
+PoseFit fit_pose(const ThinnedScan& scan, const PoseBelief& prior, fields::SavedMap& map, const TrackingConfig& config,
+                 double new_share) {
   const double share = config.independent * new_share;
   const Matrix6 prior_information = inverse(prior.covariance);
   Pose pose = prior.T_map_base;
-  std::size_t every = points.size() < kEnoughPoints ? 1 : kCoarsely;
+  std::size_t every = scan.points.size() < kEnoughPoints ? 1 : kCoarsely;
   for (int iteration = 1;; ++iteration) {
     PointSums seen(pose, map, config);
-    for (std::size_t i = 0; i < points.size(); i += every) seen.add(points[i]);
-    const double weight = share * static_cast<double>(every);
-    const Matrix6 information = prior_information + weight * seen.sums.information;
-    const Vector6 gradient = prior_information * error_between(prior.T_map_base, pose) + weight * seen.sums.gradient;
+    seen.add(scan, every);
+    NormalSums sums;
+    sums.add(without_weak_directions(seen.structure, config.independent * static_cast<double>(every)),
+             static_cast<double>(every));
+    sums.add(seen.paint, 1);
+    const Matrix6 information = prior_information + share * sums.information;
+    const Vector6 gradient = prior_information * error_between(prior.T_map_base, pose) + share * sums.gradient;
     const Vector6 step = -Ldlt<6>(information).solve(gradient);
     pose = normalised(moved_by(pose, step));
     const double moved = step.cwiseAbs().maxCoeff();
@@ -165,10 +211,11 @@ PoseFit fit_pose(const std::vector<Eigen::Vector3d>& points, const PoseBelief& p
     if (moved > kDone && iteration < kMaxIterations) continue;
     PoseFit fit = seen.counts;
     fit.belief = {pose, inverse(information)};
-    fit.information = seen.sums.information;
-    fit.degenerate = unobservable_axes(config.independent * seen.sums.information, pose.linear());
+    fit.information = sums.information;
+    fit.degenerate =
+        unobservable_axes(config.independent * (seen.structure.information + seen.paint.information), pose.linear());
     fit.iterations = iteration;
-    fit.residual = seen.sums.matched > 0 ? std::sqrt(seen.sums.squares / seen.sums.matched) : 0;
+    fit.residual = seen.structure.matched > 0 ? std::sqrt(seen.structure.squares / seen.structure.matched) : 0;
     return fit;
   }
 }

@@ -5,6 +5,7 @@
 
 #include "common/geometry/geometry.hpp"
 #include "services/localizer/fields/saved_map.hpp"
+#include "services/localizer/tracking/thinned_scan.hpp"
 #include "services/localizer/tracking/tracking_config.hpp"
 
 namespace curbstone::localizer::tracking {
@@ -41,11 +42,12 @@ struct PoseFit {
 
 /// Computes the pose that fits prior and revolution best: Gauss-Newton with a robust kernel for outliers
 /// (Geman-McClure). Residual of a ground point: its height over the map's ground. Residual of an upright point: its
-/// distance from the nearest upright piece, along the piece's normal if it has one. `points`: thinned, in base_link.
+/// distance from the nearest upright piece, along the piece's normal if it has one. Residual of a point of paint: its
+/// offset from the map's paint.
 /// `new_share`: 0..1, the share of the revolution's information that is independent of earlier revolutions.
 /// Deterministic.
-[[nodiscard]] PoseFit fit_pose(const std::vector<Eigen::Vector3d>& points, const PoseBelief& prior,
-                               fields::SavedMap& map, const TrackingConfig& config, double new_share = 1);
+[[nodiscard]] PoseFit fit_pose(const ThinnedScan& scan, const PoseBelief& prior, fields::SavedMap& map,
+                               const TrackingConfig& config, double new_share = 1);
 
 /// A pose moved by a small error, and the error between two poses, in the order of Vector6.
 [[nodiscard]] Pose moved_by(const Pose& pose, const Vector6& error);

@@ -11,8 +11,8 @@ class PoseTracker {
  public:
   virtual ~PoseTracker() = default;
 
-  /// Processes one revolution. `points`: thinned, in base_link at its end.
-  virtual PoseFit track(const std::vector<Eigen::Vector3d>& points, const Motion& motion, fields::SavedMap& map) = 0;
+  /// Processes one revolution. `scan`: in base_link at its end.
+  virtual PoseFit track(const ThinnedScan& scan, const Motion& motion, fields::SavedMap& map) = 0;
   [[nodiscard]] virtual const PoseBelief& belief() const = 0;
   /// The covariance of the pose including the error of the map itself.
   [[nodiscard]] virtual Matrix6 published_covariance() const = 0;

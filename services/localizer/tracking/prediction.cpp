@@ -13,11 +13,15 @@ constexpr double kMaxYaw = 0.2;      // rad
 
 }  // namespace
 
-PoseBelief predicted(const PoseBelief& belief, const Motion& motion, const TrackingConfig& config) {
-  const Eigen::Matrix3d R = belief.T_map_base.linear();
+Matrix6 motion_jacobian(const Pose& T_map_base, const Motion& motion) {
   Matrix6 F = Matrix6::Identity();
-  F.topRightCorner<3, 3>() = -R * skew(motion.T_last_base.translation());
+  F.topRightCorner<3, 3>() = -T_map_base.linear() * skew(motion.T_last_base.translation());
   F.bottomRightCorner<3, 3>() = motion.T_last_base.linear().transpose();
+  return F;
+}
+
+PoseBelief predicted(const PoseBelief& belief, const Motion& motion, const TrackingConfig& config) {
+  const Matrix6 F = motion_jacobian(belief.T_map_base, motion);
   PoseBelief next;
   next.covariance = F * belief.covariance * F.transpose();
   next.T_map_base = normalised(belief.T_map_base * motion.T_last_base);

@@ -14,4 +14,7 @@ struct Motion {
 /// The belief moved by the motion. Odometry's error is added to its covariance, up to a bound.
 [[nodiscard]] PoseBelief predicted(const PoseBelief& belief, const Motion& motion, const TrackingConfig& config);
 
+/// Derivative of the error after a motion by the error before it.
+[[nodiscard]] Matrix6 motion_jacobian(const Pose& T_map_base, const Motion& motion);
+
 }  // namespace curbstone::localizer::tracking

@@ -8,6 +8,12 @@
 
 namespace curbstone::localizer::tracking {
 
+/// What is registered of a revolution; in base_link.
+struct ThinnedScan {
+  std::vector<Eigen::Vector3d> points;   ///< means of small boxes
+  std::vector<Eigen::Vector3d> paint{};  ///< returns that may be of paint
+};
+
 /// Thins revolutions to one point for each box of 0.12 m x 0.12 m x 0.25 m (height): the mean of its points, as in a
 /// cell of the map. One thread; keeps its memory.
 class ScanThinner {

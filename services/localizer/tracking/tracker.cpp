@@ -40,38 +40,44 @@ double Tracker::independent_share(const Motion& motion) const {
   return std::min(1.0, kNewStanding + cells + angle_of(motion.T_last_base) / kNewYaw);
 }
 
-PoseFit Tracker::track(const std::vector<Eigen::Vector3d>& points, const Motion& motion, fields::SavedMap& map) {
-  const PoseBelief prior = predicted(belief_, motion, config_);
+PoseFit Tracker::track(const ThinnedScan& scan, const Motion& motion, fields::SavedMap& map) {
+  const Motion corrected = scale_.corrected(motion);
+  PoseBelief prior = predicted(belief_, corrected, config_);
+  scale_.predict(belief_, corrected, prior);
   belief_ = prior;
   if (!motion.with_odometry && motion.seconds > kBlindFor) {
     lost_ = true;
     fitting_ = 0;
   }
-  PoseFit fit = fit_pose(points, prior, map, config_, independent_share(motion));
+  PoseFit fit = fit_pose(scan, prior, map, config_, independent_share(motion));
   const bool usable = is_finite(fit.belief.T_map_base) && fit.belief.covariance.allFinite();
   // A revolution that does not fit gives no information: the pose continues with odometry, and its covariance grows.
-  const bool is_used = usable && (lost_ ? fit.matched_share() : fit.held_share()) >= config_.min_match;
+  // Where the vehicle is lost for want of walls, the ground still holds it across the street.
+  const bool is_elsewhere = lost_ && (!was_found_ || failing_ > 0);
+  const bool is_used = usable && (is_elsewhere ? fit.matched_share() : fit.held_share()) >= config_.min_match;
   if (is_used) {
+    scale_.update(prior, fit.belief);
     belief_ = fit.belief;
     information_ = fit.information;
   }
   corrections_ = is_used ? corrections_ + 1 : 0;
   fit.belief = belief_;
   judge(fit);
-  check_alternatives(points, fit, map);
+  check_alternatives(scan, fit, map);
   return fit;
 }
 
-void Tracker::check_alternatives(const std::vector<Eigen::Vector3d>& points, PoseFit& fit, fields::SavedMap& map) {
+void Tracker::check_alternatives(const ThinnedScan& scan, PoseFit& fit, fields::SavedMap& map) {
   revolution_ = (revolution_ + 1) % kRevolutions;
   const int places = lost_ ? kPlacesWhenLost : revolution_ == 0 ? 1 : 0;
-  const auto better = alternatives_.better_than(fit, points, places, map, config_);
+  const auto better = alternatives_.better_than(fit, scan, places, map, config_);
   if (!better) return;
   fit = *better;
   belief_ = fit.belief;
   lost_ = true;
   fitting_ = 0;
   alternatives_.restart();
+  scale_.forget_pose();
   corrections_ = 0;
 }
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "services/localizer/tracking/nearby_alternatives.hpp"
+#include "services/localizer/tracking/odometry_scale.hpp"
 #include "services/localizer/tracking/pose_tracker.hpp"
 
 namespace curbstone::localizer::tracking {
@@ -18,7 +19,7 @@ class Tracker final : public PoseTracker {
 
   Tracker(const PoseBelief& start, const TrackingConfig& config) : config_(config), belief_(start) {}
 
-  PoseFit track(const std::vector<Eigen::Vector3d>& points, const Motion& motion, fields::SavedMap& map) override;
+  PoseFit track(const ThinnedScan& scan, const Motion& motion, fields::SavedMap& map) override;
 
   [[nodiscard]] const PoseBelief& belief() const override { return belief_; }
   [[nodiscard]] Matrix6 published_covariance() const override;
@@ -29,10 +30,11 @@ class Tracker final : public PoseTracker {
   /// errors look the same, so the covariance of a standing vehicle must not shrink further.
   [[nodiscard]] double independent_share(const Motion& motion) const;
   void judge(const PoseFit& fit);
-  void check_alternatives(const std::vector<Eigen::Vector3d>& points, PoseFit& fit, fields::SavedMap& map);
+  void check_alternatives(const ThinnedScan& scan, PoseFit& fit, fields::SavedMap& map);
 
   TrackingConfig config_;
   PoseBelief belief_;
+  OdometryScale scale_;
   Matrix6 information_ = Matrix6::Zero();  // of the last revolution that corrected the pose
   NearbyAlternatives alternatives_;
   int corrections_ = 0;  // consecutive revolutions that corrected the pose

@@ -15,8 +15,10 @@ enum class Heights {
 struct TrackingConfig {
   bool use_walls = true;
   Heights heights = Heights::kAll;
+  bool use_paint = true;
   double height_sigma = 0.03;
   double wall_sigma = 0.06;
+  double paint_sigma = 0.06;
   double independent = 0.05;
   double map_independent = 0.008;
   double map_drift_m = 0.11;
@@ -33,8 +35,10 @@ struct TrackingConfig {
     v.field("use_walls", use_walls, "use upright objects");
     v.choice("heights", heights, {{"all", Heights::kAll}, {"curbs", Heights::kCurbs}, {"none", Heights::kNone}},
              "heights of the ground that are used: all, those beside curbs, or none (level ground)");
+    v.field("use_paint", use_paint, "use road markings");
     v.field("height_sigma", height_sigma, {0.001, 1.0}, "m, 1 sigma of a ground point relative to the map");
     v.field("wall_sigma", wall_sigma, {0.001, 1.0}, "m, 1 sigma of a point on an upright object relative to the map");
+    v.field("paint_sigma", paint_sigma, {0.001, 1.0}, "m, 1 sigma of a point of paint relative to the map's paint");
     v.field("independent", independent, {0.0001, 1.0}, "share of the points of a revolution that are independent");
     v.field("map_independent", map_independent, {0.0001, 1000.0},
             "share of the points of a revolution that were independent when the map was made");

@@ -10,6 +10,8 @@ namespace {
 using test_yard::kRevolution;
 using test_yard::kStart;
 using test_yard::LocalizerOnAYard;
+using test_yard::map_of;
+using test_yard::pose_at;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
@@ -49,6 +51,19 @@ TEST_F(LocalizerOnAYard, SaysTheSameHoweverTheChannelsInterleave) {
     for (int k = 0; k < 36; ++k) EXPECT_EQ(poses_[i].covariance[k], in_step[i].covariance[k]) << i;
     EXPECT_EQ(poses_[i].flags, in_step[i].flags) << i;
   }
+}
+
+TEST_F(LocalizerOnAYard, BetweenTwoEndlessWallsItIsLostAlongThemAndSaysSo) {
+  yard_ = {.half_length = 150, .turned = 0, .ends = false};
+  config_.map = map_file("street.db", map_of(yard_));
+  config_.start = {-110, 0, 0};
+  begin_ = pose_at(-110, 0, 0);
+  step_ = 1.2;
+  begin();
+  drive_until(180);
+  EXPECT_TRUE(lost()) << "200 m by odometry alone";
+  EXPECT_THAT(node_->report().faults, Contains(HasSubstr("lost along the street")));
+  EXPECT_NEAR(poses_.back().map_base_position[1], 0, 0.1) << "the walls hold it between them";
 }
 
 TEST_F(LocalizerOnAYard, WhereTheLidarsClockAloneIsSetBackThePoseGoesOn) {

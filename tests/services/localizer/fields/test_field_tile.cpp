@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 namespace curbstone::localizer::fields {
 namespace {
@@ -75,6 +77,44 @@ TEST(FieldTile, TakesHeightsFromTheGroundAloneAndOneCellOfEachNeighbour) {
   EXPECT_NEAR(field.height_of(0, 0), 2.1, 1e-6);
   EXPECT_TRUE(std::isnan(field.height_of(1, 0))) << "under a wall";
   EXPECT_NEAR(field.height_of(25, 0), -0.1, 1e-6);
+}
+
+/// Ground that is 0.1 m higher beyond a line through the tile's middle, with noise of 1 cm.
+MapTile curb_along(double direction) {
+  MapTile tile = empty_tile();
+  std::mt19937 random(2);
+  std::normal_distribution<double> noise(0, 5);  // steps
+  for (int i = 0; i < semantic_map::tile::kCellsInTile; ++i) {
+    const double x = i % 25 - 12.0, y = i / 25 - 12.0;
+    const bool is_high = std::cos(direction) * y - std::sin(direction) * x > 0;
+    tile.cell_class[static_cast<std::size_t>(i)] = CellClass::kRoad;
+    tile.height[static_cast<std::size_t>(i)] =
+        static_cast<std::int16_t>(std::lround((is_high ? 50 : 0) + noise(random)));
+  }
+  return tile;
+}
+
+TEST(FieldTile, TellsInWhichDirectionACurbRisesMoreExactlyThanOneCellCould) {
+  double squares = 0;
+  int num = 0;
+  for (double direction = -1.5; direction < 1.6; direction += 0.1, ++num) {
+    const FieldTile field = field_of(curb_along(direction));
+    const Eigen::Vector2d& rise = rise_of(field.rise[12 * 25 + 12]);
+    EXPECT_NEAR(rise.norm(), 1, 1e-9);
+    squares += std::pow(rise.dot(Eigen::Vector2d(std::cos(direction), std::sin(direction))), 2);
+  }
+  EXPECT_LT(std::sqrt(squares / num), 0.15);
+}
+
+TEST(FieldTile, LevelGroundHasNoEdges) {
+  MapTile tile = empty_tile();
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 5);
+  tile.cell_class.fill(CellClass::kRoad);
+  for (auto& height : tile.height) height = static_cast<std::int16_t>(std::lround(noise(random)));
+  const FieldTile field = field_of(tile);
+  EXPECT_EQ(std::count(field.rise.begin(), field.rise.end(), 0), semantic_map::tile::kCellsInTile);
+  EXPECT_TRUE(rise_of(0).isZero());
 }
 
 }  // namespace

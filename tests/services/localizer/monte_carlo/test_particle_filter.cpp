@@ -36,7 +36,7 @@ TEST(ParticleFilter, FollowsADrive) {
   ParticleFilter filter(start(wrong), {}, {});
   for (int i = 0; i < 60; ++i) {
     truth = truth * ahead(0.12).T_last_base;
-    filter.track(points_in(yard, truth), ahead(0.12), map);
+    filter.track({points_in(yard, truth)}, ahead(0.12), map);
   }
   EXPECT_LT(error_of(truth, filter), 0.15);
 }
@@ -49,7 +49,7 @@ TEST(ParticleFilter, TakesFewerParticlesOnceItKnowsThePlace) {
   EXPECT_EQ(filter.num_particles(), 5000U);
   for (int i = 0; i < 60; ++i) {
     truth = truth * ahead(0.12).T_last_base;
-    filter.track(points_in(yard, truth), ahead(0.12), map);
+    filter.track({points_in(yard, truth)}, ahead(0.12), map);
   }
   EXPECT_LT(filter.num_particles(), 1000U);
 }
@@ -59,9 +59,9 @@ TEST(ParticleFilter, DoesNotDriftWhileItStands) {
   fields::SavedMap map(map_of(yard));
   const Pose truth = pose_at(-4, 0, 0.2);
   ParticleFilter filter(start(truth), {}, {});
-  filter.track(points_in(yard, truth), ahead(0), map);
+  filter.track({points_in(yard, truth)}, ahead(0), map);
   const Pose before = filter.belief().T_map_base;
-  for (int i = 0; i < 200; ++i) filter.track(points_in(yard, truth), ahead(0), map);
+  for (int i = 0; i < 200; ++i) filter.track({points_in(yard, truth)}, ahead(0), map);
   EXPECT_EQ(filter.belief().T_map_base.translation(), before.translation());
 }
 
@@ -73,7 +73,7 @@ TEST(ParticleFilter, SaysTheSameForTheSameSeedAndAnotherForAnother) {
     ParticleFilter filter(start(truth), {.particles = 500, .seed = seed}, {});
     for (int i = 0; i < 20; ++i) {
       truth = truth * ahead(0.12).T_last_base;
-      filter.track(points_in(yard, truth), ahead(0.12), map);
+      filter.track({points_in(yard, truth)}, ahead(0.12), map);
     }
     return Eigen::Vector3d(filter.belief().T_map_base.translation());
   };

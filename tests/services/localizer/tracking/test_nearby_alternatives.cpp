@@ -17,7 +17,7 @@ using test_yard::Yard;
 
 /// A wrong pose that is held, as a street holds it: the prior is trusted more than the points.
 PoseFit held_at(const Pose& pose, const std::vector<Eigen::Vector3d>& points, fields::SavedMap& map) {
-  return fit_pose(points, {pose, 1e-8 * Matrix6::Identity()}, map, {});
+  return fit_pose({points}, {pose, 1e-8 * Matrix6::Identity()}, map, {});
 }
 
 TEST(NearbyAlternatives, HaveNoBetterPlaceThanTheRightOne) {
@@ -28,7 +28,7 @@ TEST(NearbyAlternatives, HaveNoBetterPlaceThanTheRightOne) {
   NearbyAlternatives alternatives;
   const PoseFit own = held_at(truth, points, map);
   EXPECT_FALSE(alternatives.all_tried());
-  EXPECT_FALSE(alternatives.better_than(own, points, 1000, map, {}));
+  EXPECT_FALSE(alternatives.better_than(own, {points}, 1000, map, {}));
   EXPECT_TRUE(alternatives.all_tried());
   alternatives.restart();
   EXPECT_FALSE(alternatives.all_tried());
@@ -43,7 +43,7 @@ void expect_the_right_one(std::initializer_list<Eigen::Vector2d> offs) {
     Pose wrong = truth;
     wrong.translation() += truth.linear() * Eigen::Vector3d(off.x(), off.y(), 0);
     NearbyAlternatives alternatives;
-    const auto better = alternatives.better_than(held_at(wrong, points, map), points, 1000, map, {});
+    const auto better = alternatives.better_than(held_at(wrong, points, map), {points}, 1000, map, {});
     ASSERT_TRUE(better) << off.transpose();
     EXPECT_LT(error_between(truth, better->belief.T_map_base).head<2>().norm(), 0.05) << off.transpose();
   }
@@ -65,7 +65,7 @@ TEST(NearbyAlternatives, BetweenTwoLongWallsAreAllAlike) {
   Pose ahead = truth;
   ahead.translation() += truth.linear() * Eigen::Vector3d(1, 0, 0);
   NearbyAlternatives alternatives;
-  EXPECT_FALSE(alternatives.better_than(held_at(ahead, points, map), points, 1000, map, {}))
+  EXPECT_FALSE(alternatives.better_than(held_at(ahead, points, map), {points}, 1000, map, {}))
       << "nothing tells; it is degenerate, not wrong";
 }
 
@@ -81,7 +81,7 @@ TEST(NearbyAlternatives, AreNotGoneToAlongAnAxisThatTheyDoNotTell) {
   NearbyAlternatives alternatives;
   int gone_to = 0;
   while (!alternatives.all_tried()) {
-    const auto place = alternatives.better_than(doubted, points, 1, map, few);
+    const auto place = alternatives.better_than(doubted, {points}, 1, map, few);
     if (!place) continue;
     ++gone_to;
     EXPECT_LT(std::abs((truth.inverse() * place->belief.T_map_base).translation().x()), 0.4);
@@ -101,7 +101,7 @@ TEST(NearbyAlternatives, WhereHardlyAnythingStandsAreNoReasonToLeave) {
   own.uprights_matched = 0;
   ASSERT_EQ(own.matched_share(), 0);
   NearbyAlternatives alternatives;
-  EXPECT_FALSE(alternatives.better_than(own, points, 1000, map, {})) << "all the ground fits";
+  EXPECT_FALSE(alternatives.better_than(own, {points}, 1000, map, {})) << "all the ground fits";
 }
 
 TEST(NearbyAlternatives, AreNotComparedByWhatIsNotToTellThePose) {
@@ -115,7 +115,7 @@ TEST(NearbyAlternatives, AreNotComparedByWhatIsNotToTellThePose) {
   by_odometry.use_walls = false;
   by_odometry.heights = Heights::kNone;
   NearbyAlternatives alternatives;
-  EXPECT_FALSE(alternatives.better_than(held_at(wrong, points, map), points, 1000, map, by_odometry));
+  EXPECT_FALSE(alternatives.better_than(held_at(wrong, points, map), {points}, 1000, map, by_odometry));
 }
 
 }  // namespace

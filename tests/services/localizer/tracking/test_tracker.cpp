@@ -33,7 +33,7 @@ TEST(Tracker, FollowsADriveAndIsSureAfterHalfASecond) {
   Tracker tracker(start(truth), {});
   for (int i = 0; i < 60; ++i) {
     truth = truth * ahead().T_last_base;
-    tracker.track(points_in(yard, truth), ahead(), map);
+    tracker.track({points_in(yard, truth)}, ahead(), map);
     EXPECT_EQ(tracker.lost(), i + 1 < Tracker::kConfirmations) << i;
     EXPECT_LT(error_between(truth, tracker.belief().T_map_base).head<2>().norm(), 0.03) << i;
   }
@@ -46,12 +46,12 @@ TEST(Tracker, LookingOnFromOnePlaceMakesThePoseNoSurer) {
   Tracker tracker(start(truth), {});
   for (int i = 0; i < 40; ++i) {
     truth = truth * ahead().T_last_base;
-    tracker.track(points_in(yard, truth), ahead(), map);
+    tracker.track({points_in(yard, truth)}, ahead(), map);
   }
   const Matrix6 driving = tracker.belief().covariance;
   Motion standing;
   standing.seconds = 0.05;
-  for (int i = 0; i < 200; ++i) tracker.track(points_in(yard, truth), standing, map);
+  for (int i = 0; i < 200; ++i) tracker.track({points_in(yard, truth)}, standing, map);
   const double ratio = tracker.belief().covariance(0, 0) / driving(0, 0);
   EXPECT_GT(ratio, 0.5);
   EXPECT_LT(ratio, 1.5);
@@ -69,11 +69,11 @@ TEST(Tracker, CreepingWithNothingBesideItIsKnownWorseAndWorse) {
   Motion creeping;
   creeping.T_last_base.translation().x() = 0.01;  // far less than a cell
   creeping.seconds = 0.05;
-  tracker.track(points_in(yard, truth), creeping, map);
+  tracker.track({points_in(yard, truth)}, creeping, map);
   const double before = tracker.belief().covariance(0, 0);
   for (int i = 0; i < 300; ++i) {
     truth = truth * creeping.T_last_base;
-    tracker.track(points_in(yard, truth), creeping, map);
+    tracker.track({points_in(yard, truth)}, creeping, map);
   }
   const double floor = config.odometry_floor_m;
   EXPECT_GT(tracker.belief().covariance(0, 0), before + 300 * floor * floor);
@@ -86,12 +86,12 @@ TEST(Tracker, SeenAgainAfterItWasBlindItIsKnownThoughItStands) {
   Tracker tracker(start(truth), {});
   Motion standing;
   standing.seconds = 0.05;
-  for (int i = 0; i < 20; ++i) tracker.track(points_in(yard, truth), standing, map);
+  for (int i = 0; i < 20; ++i) tracker.track({points_in(yard, truth)}, standing, map);
   Motion blind = standing;
   blind.with_odometry = false;
   for (int i = 0; i < 5; ++i) tracker.track({}, blind, map);
   EXPECT_GT(tracker.belief().covariance(0, 0), 1e-3);
-  for (int i = 0; i < 3; ++i) tracker.track(points_in(yard, truth), standing, map);
+  for (int i = 0; i < 3; ++i) tracker.track({points_in(yard, truth)}, standing, map);
   EXPECT_LT(tracker.belief().covariance(0, 0), 1e-3);
 }
 
@@ -100,17 +100,17 @@ TEST(Tracker, IsFoundByABetterFitThanItIsHeldBy) {
   fields::SavedMap map(map_of(yard));
   const Pose truth = pose_at(-3, 0, 0.2);
   const auto points = points_in(yard, truth);
-  const double share = Tracker(start(truth), {}).track(points, Motion{}, map).matched_share();
+  const double share = Tracker(start(truth), {}).track({points}, Motion{}, map).matched_share();
   ASSERT_GT(share, 0.6);
   TrackingConfig config;
   config.min_match = share - 0.01;
   config.find_match = share + 0.01;
   Tracker doubting(start(truth), config);
-  for (int i = 0; i < 100; ++i) doubting.track(points, Motion{}, map);
+  for (int i = 0; i < 100; ++i) doubting.track({points}, Motion{}, map);
   EXPECT_TRUE(doubting.lost());
   config.find_match = share - 0.01;
   Tracker believing(start(truth), config);
-  for (int i = 0; i < 20; ++i) believing.track(points, Motion{}, map);
+  for (int i = 0; i < 20; ++i) believing.track({points}, Motion{}, map);
   EXPECT_FALSE(believing.lost());
 }
 
@@ -124,7 +124,7 @@ TEST(Tracker, StartedMetresOffIsNeverSureOfAWrongPlaceAndFindsTheRightOne) {
     Tracker tracker(start(wrong), {});
     for (int i = 0; i < 60; ++i) {
       truth = truth * ahead().T_last_base;
-      tracker.track(points_in(yard, truth), ahead(), map);
+      tracker.track({points_in(yard, truth)}, ahead(), map);
       const double error = error_between(truth, tracker.belief().T_map_base).head<2>().norm();
       EXPECT_TRUE(tracker.lost() || error < 0.1) << off.transpose() << ": " << error << " m at " << i;
     }
@@ -139,7 +139,7 @@ TEST(Tracker, OnAMapOfAnotherPlaceIsNeverSure) {
   Tracker tracker(start(truth), {});
   for (int i = 0; i < 100; ++i) {
     truth = truth * ahead().T_last_base;
-    tracker.track(points_in(here, truth), ahead(), map);
+    tracker.track({points_in(here, truth)}, ahead(), map);
     EXPECT_TRUE(tracker.lost()) << i;
   }
 }
@@ -149,13 +149,13 @@ TEST(Tracker, CarriedAwaySaysSoWithinASecondAndGoesOnWithOdometry) {
   fields::SavedMap map(map_of(yard));
   Pose truth = pose_at(-3, 0, 0.2);
   Tracker tracker(start(truth), {});
-  for (int i = 0; i < 20; ++i) tracker.track(points_in(yard, truth), Motion{}, map);
+  for (int i = 0; i < 20; ++i) tracker.track({points_in(yard, truth)}, Motion{}, map);
   ASSERT_FALSE(tracker.lost());
   truth = pose_at(3, 2, 1.4);
-  for (int i = 0; i < 20; ++i) tracker.track(points_in(yard, truth), Motion{}, map);
+  for (int i = 0; i < 20; ++i) tracker.track({points_in(yard, truth)}, Motion{}, map);
   EXPECT_TRUE(tracker.lost());
   const double sigma = std::sqrt(tracker.published_covariance()(0, 0));
-  for (int i = 0; i < 20; ++i) tracker.track(points_in(yard, truth), ahead(), map);
+  for (int i = 0; i < 20; ++i) tracker.track({points_in(yard, truth)}, ahead(), map);
   EXPECT_TRUE(tracker.lost());
   EXPECT_GT(std::sqrt(tracker.published_covariance()(0, 0)), sigma) << "known worse and worse";
 }
@@ -170,15 +170,40 @@ TEST(Tracker, WhereNothingStandsTheGroundHoldsAPoseThatIsKnownAndFindsNone) {
     return points;
   };
   Tracker known(start(truth), {}), unknown(start(truth), {});
-  for (int i = 0; i < 20; ++i) known.track(points_in(yard, truth), Motion{}, map);
+  for (int i = 0; i < 20; ++i) known.track({points_in(yard, truth)}, Motion{}, map);
   for (int i = 0; i < 40; ++i) {
     truth = truth * ahead().T_last_base;
-    known.track(ground_at(truth), ahead(), map);
+    known.track({ground_at(truth)}, ahead(), map);
     EXPECT_FALSE(known.lost()) << i;
-    unknown.track(ground_at(truth), ahead(), map);
+    unknown.track({ground_at(truth)}, ahead(), map);
     EXPECT_TRUE(unknown.lost()) << i;
   }
   EXPECT_LT(error_between(truth, known.belief().T_map_base).head<2>().norm(), 0.1);
+}
+
+TEST(Tracker, OnALongStreetWithoutWallsIsLostLengthwiseAndStaysBesideItsCurb) {
+  const Yard yard{.half_length = 120, .turned = 0, .ends = false};
+  fields::SavedMap map(map_of(yard));
+  Pose truth = pose_at(-90, 0, 0);
+  const auto near = [&](const Pose& pose, bool with_walls) {
+    auto points = points_in(yard, pose);
+    std::erase_if(points,
+                  [&](const Eigen::Vector3d& p) { return p.head<2>().norm() > 15 || (!with_walls && p.z() > 0.4); });
+    return points;
+  };
+  Tracker tracker(start(truth), {});
+  Motion motion = ahead();
+  motion.T_last_base.translation() << 1.0, 0.005, 0;  // odometry drifts aside
+  const Pose real = pose_at(1.0, 0, 0);
+  for (int i = 0; i < 20; ++i) tracker.track({near(truth, true)}, Motion{}, map);
+  ASSERT_FALSE(tracker.lost());
+  for (int i = 0; i < 150; ++i) {
+    truth = truth * real;
+    tracker.track({near(truth, false)}, motion, map);
+    EXPECT_NEAR(tracker.belief().T_map_base.translation().y(), 0, 0.08) << i << ": a part of a cell";
+  }
+  EXPECT_TRUE(tracker.lost()) << "150 m by odometry alone";
+  EXPECT_GT(std::sqrt(tracker.published_covariance()(0, 0)), 0.2);
 }
 
 TEST(Tracker, SaysThatAMapWhichLittleHeldIsBentHoweverLongItLooks) {
@@ -194,7 +219,7 @@ TEST(Tracker, SaysThatAMapWhichLittleHeldIsBentHoweverLongItLooks) {
     Tracker tracker(known, config);
     for (int i = 0; i < 60; ++i) {
       truth = truth * ahead().T_last_base;
-      tracker.track(points_in(yard, truth), ahead(), map);
+      tracker.track({points_in(yard, truth)}, ahead(), map);
     }
     return std::sqrt(tracker.published_covariance()(0, 0));
   };
@@ -208,12 +233,12 @@ TEST(Tracker, AGapInOdometryIsSurvived) {
   fields::SavedMap map(map_of(yard));
   const Pose truth = pose_at(-1, 0, 0.2);
   Tracker tracker(start(truth), {});
-  for (int i = 0; i < 20; ++i) tracker.track(points_in(yard, truth), Motion{}, map);
+  for (int i = 0; i < 20; ++i) tracker.track({points_in(yard, truth)}, Motion{}, map);
   Motion blind;
   blind.with_odometry = false;
   blind.seconds = 3;
-  tracker.track(points_in(yard, truth), blind, map);
-  for (int i = 0; i < Tracker::kReconfirmations; ++i) tracker.track(points_in(yard, truth), Motion{}, map);
+  tracker.track({points_in(yard, truth)}, blind, map);
+  for (int i = 0; i < Tracker::kReconfirmations; ++i) tracker.track({points_in(yard, truth)}, Motion{}, map);
   EXPECT_FALSE(tracker.lost());
   EXPECT_LT(error_between(truth, tracker.belief().T_map_base).head<2>().norm(), 0.03);
 }
