@@ -57,17 +57,30 @@ TEST(PaintFinder, FindsWhatIsBrightForItsRingOnceItKnowsTheRoad) {
   EXPECT_LT(static_cast<double>(found.size()) - static_cast<double>(right), 0.02 * static_cast<double>(scan.size()));
 }
 
-TEST(PaintFinder, LooksOnlyAtTheGroundNearby) {
+TEST(PaintFinder, LeavesOutWhatIsTooLongForPaintAndGroundThatIsBrightAllOver) {
   RoadBelow road;
   PaintFinder finder;
   for (int i = 0; i < 20; ++i) (void)finder.find(road.look(), driven(0.5 * i));
   auto scan = road.look();
+  for (LidarPoint& point : scan) {
+    if (point.position.y() < -3) point.intensity = 200;  // a lawn
+  }
+  for (const Eigen::Vector3d& p : finder.find(scan, driven(10))) EXPECT_GT(p.y(), -3.1) << p.transpose();
   for (LidarPoint& point : scan) point.intensity = 255;
-  EXPECT_EQ(finder.find(scan, driven(10)).size(), scan.size());
-  for (LidarPoint& point : scan) point.position.z() = 1;
   EXPECT_TRUE(finder.find(scan, driven(11)).empty());
-  for (LidarPoint& point : scan) point.position = {20, 0, 0};
-  EXPECT_TRUE(finder.find(scan, driven(12)).empty());
+}
+
+TEST(PaintFinder, LooksOnlyAtTheGroundNearby) {
+  RoadBelow road;
+  PaintFinder finder;
+  for (int i = 0; i < 20; ++i) (void)finder.find(road.look(), driven(0.5 * i));
+  const auto scan = road.look();
+  EXPECT_FALSE(finder.find(scan, driven(10)).empty());
+  auto high = scan, far = scan;
+  for (LidarPoint& point : high) point.position.z() = 1;
+  for (LidarPoint& point : far) point.position.x() += 30;
+  EXPECT_TRUE(finder.find(high, driven(11)).empty());
+  EXPECT_TRUE(finder.find(far, driven(12)).empty());
 }
 
 }  // namespace
