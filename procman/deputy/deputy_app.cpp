@@ -183,8 +183,9 @@ void DeputyApp::run_doctor(std::int64_t now) {
 void DeputyApp::on_findings(std::optional<std::vector<std::string>> findings) {
   doctor_done_ = true;
   if (!findings) return log_line("doctor: `curbstone doctor` could not be run");
-  for (const std::string& finding : *findings) {
-    if (std::find(findings_.begin(), findings_.end(), finding) == findings_.end()) log_line("doctor: " + finding);
+  for (const std::string& finding : *findings) {  // printed as a fault of the status; this is for sheriffs
+    if (std::find(findings_.begin(), findings_.end(), finding) == findings_.end())
+      deputy_->output("", "doctor: " + finding + "\n");
   }
   if (findings->empty()) log_line("doctor: all is well");
   findings_ = std::move(*findings);
