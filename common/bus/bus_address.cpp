@@ -1,8 +1,13 @@
 #include "common/bus/bus_address.hpp"
 
 #include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <charconv>
+#include <cstdint>
+#include <system_error>
 
 namespace curbstone {
 
@@ -48,6 +53,18 @@ std::optional<BusAddress> parse_bus_url(std::string_view url) {
     options = end == std::string_view::npos ? "" : options.substr(end + 1);
   }
   return address;
+}
+
+std::optional<std::string> route_error(const BusAddress& address) {
+  sockaddr_in group{};
+  group.sin_family = AF_INET;
+  group.sin_port = htons(static_cast<std::uint16_t>(address.port));
+  inet_pton(AF_INET, address.group.c_str(), &group.sin_addr);
+  const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  const bool fails = fd < 0 || connect(fd, reinterpret_cast<const sockaddr*>(&group), sizeof group) != 0;
+  const int error = errno;
+  if (fd >= 0) close(fd);
+  return fails ? std::optional(std::generic_category().message(error)) : std::nullopt;
 }
 
 }  // namespace curbstone

@@ -18,4 +18,7 @@ struct BusAddress {
 /// group and port.
 [[nodiscard]] std::optional<BusAddress> parse_bus_url(std::string_view url);
 
+/// Why this host cannot send to the address, in the kernel's words: it has no route. Nothing if it can.
+[[nodiscard]] std::optional<std::string> route_error(const BusAddress& address);
+
 }  // namespace curbstone

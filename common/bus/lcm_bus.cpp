@@ -41,6 +41,7 @@ class LcmBus::Impl {
       const auto address = parse_bus_url(url_);
       if (!address) cannot_open("it is no URL of a multicast bus");
       address_ = *address;
+      if (const auto error = route_error(address_)) cannot_open(*error);  // LCM says more, and falsely
     } else if (!url_.starts_with("memq://") && !url_.starts_with("file://")) {
       cannot_open("it is no URL of a bus");  // LCM has others, and aborts where it cannot connect to one
     }

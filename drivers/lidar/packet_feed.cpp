@@ -35,20 +35,21 @@ class NetworkFeed final : public PacketFeed {
     if (!open_ && retry_.due(steady_clock())) try_to_open();
   }
 
-  /// Opens all ports or none. A missing interface may appear later; all other errors need an operator.
+  /// Opens all ports or none. A missing interface may appear later, and a port be given up: another driver that ends a
+  /// moment late, a capture tool. All other errors need another configuration.
   void try_to_open() {
     try {
       for (const int port : ports_) sources_.push_back(std::make_unique<sources::UdpSource>(port, options_));
-    } catch (const sources::InterfaceMissing& missing) {
+    } catch (const sources::PortUnavailable& unavailable) {
       sources_.clear();
-      if (!tried_) spdlog::warn("{}: it is tried again until it comes", missing.what());
+      if (!tried_) spdlog::warn("{}; it is tried again until it can be opened", unavailable.what());
       tried_ = true;
-      node_.set_source_fault(missing.what());
+      node_.set_source_fault(unavailable.what());
       retry_.failed(steady_clock());
       return;
     }
     open_ = true;
-    if (tried_) spdlog::info("the interface is there: listening");
+    if (tried_) spdlog::info("the port is open: listening");
     node_.set_source_fault("");
     for (const auto& source : sources_) {
       node_.set_receive_buffer(options_.receive_buffer, source->receive_buffer());

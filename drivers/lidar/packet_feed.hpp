@@ -16,8 +16,8 @@ class PacketFeed {
   virtual ~PacketFeed() = default;
 };
 
-/// Feeds from the network, until the process ends. A missing interface is a fault of the node, and is retried. Throws
-/// std::runtime_error with a one-line message for errors that retrying does not fix.
+/// Feeds from the network, until the process ends. A missing interface or a port that is taken is a fault of the node,
+/// and is retried. Throws std::runtime_error with a one-line message for errors that retrying does not fix.
 [[nodiscard]] std::unique_ptr<PacketFeed> feed_from_network(const LidarConfig& config, LidarNode& node,
                                                             EventLoop& loop);
 

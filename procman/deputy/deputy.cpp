@@ -74,6 +74,11 @@ void Deputy::start(const std::string& id) {
   supervisor_.start(id);
 }
 
+std::int32_t Deputy::run_id(const std::string& id) const {
+  const auto it = runids_.find(id);
+  return it == runids_.end() ? 0 : it->second;
+}
+
 void Deputy::on(const procman_lcm::discovery_t& message) {
   const bool ours = message.transmitter_id == options_.id && message.nonce == getpid();
   if (ours || age_of(message.utime) > kPlayed) return;
@@ -194,8 +199,7 @@ void Deputy::publish_info() {
     procman_lcm::cmd_status_t status{};
     status.cmd = command_to_wire(state->command);
     status.pid = state->pid;
-    const auto runid = runids_.find(state->command.id);
-    status.actual_runid = runid == runids_.end() ? 0 : runid->second;
+    status.actual_runid = run_id(state->command.id);
     status.exit_code = state->exit_status;
     meter_.measure(state->pid, status);
     info.cmds.push_back(std::move(status));

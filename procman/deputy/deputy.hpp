@@ -47,6 +47,9 @@ class Deputy {
 
   /// Starts a command without a sheriff's order.
   void start(const std::string& id);
+  /// An earlier deputy started the command, as this run.
+  void adopted(const std::string& id, std::int32_t run_id) { runids_[id] = run_id; }
+  [[nodiscard]] std::int32_t run_id(const std::string& id) const;
   /// Orders are ignored from this call on.
   void begin_shutdown() { shutting_down_ = true; }
 

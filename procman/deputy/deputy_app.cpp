@@ -183,8 +183,9 @@ void DeputyApp::run_doctor(std::int64_t now) {
 void DeputyApp::on_findings(std::optional<std::vector<std::string>> findings) {
   doctor_done_ = true;
   if (!findings) return log_line("doctor: `curbstone doctor` could not be run");
-  for (const std::string& finding : *findings) {
-    if (std::find(findings_.begin(), findings_.end(), finding) == findings_.end()) log_line("doctor: " + finding);
+  for (const std::string& finding : *findings) {  // printed as a fault of the status; this is for sheriffs
+    if (std::find(findings_.begin(), findings_.end(), finding) == findings_.end())
+      deputy_->output("", "doctor: " + finding + "\n");
   }
   if (findings->empty()) log_line("doctor: all is well");
   findings_ = std::move(*findings);
@@ -245,6 +246,9 @@ void DeputyApp::begin() {
       log_line(fmt::format("{}: ${} is not set and stays as written", command.id, name));
     }
   }
+  adoptions_.adopt(config_, supervisor_,
+                   {[this](const std::string& id, std::int32_t run_id) { deputy_->adopted(id, run_id); },
+                    [this](const std::string& text) { log_line(text); }});
   if (options_.start_all) {
     starting_.emplace(config_.stages(), StartSequence::Callbacks{[this](const std::string& id) { deputy_->start(id); },
                                                                  [this](const std::string& id) { return is_up(id); }});
@@ -262,9 +266,12 @@ void DeputyApp::begin() {
 void DeputyApp::on_started(const process::CommandState& state) {
   deputy_->changed();
   heartbeats_.begin(state.command.id, state.command.heartbeat, steady_clock());
-  keeper_.note(state.command.id, fmt::format("-- started, pid {}", state.pid));
-  if (short_runs_[state.command.id] < kCrashLoop)
-    log_line(fmt::format("{} started, pid {}", state.command.id, state.pid));
+  const std::string& id = state.command.id;
+  adoptions_.started(state, deputy_->run_id(id), supervisor_.terminal(id));
+  const std::string what =
+      fmt::format("{}, pid {}", state.adopted ? "runs on, started by an earlier deputy" : "started", state.pid);
+  keeper_.note(id, "-- " + what);
+  if (short_runs_[id] < kCrashLoop) log_line(fmt::format("{} {}", id, what));
 }
 
 void DeputyApp::on_ended(const process::CommandState& state, std::int64_t lived) {
@@ -275,10 +282,11 @@ void DeputyApp::on_ended(const process::CommandState& state, std::int64_t lived)
     deputy_->output(id, fmt::format("{}\n{}", strsignal(WTERMSIG(state.exit_status)),
                                     WCOREDUMP(state.exit_status) ? "Core dumped.\n" : ""));
   }
-  const std::string how =
-      fmt::format("{} after {:.1f} s", describe_status(state.exit_status), static_cast<double>(lived) * 1e-6);
+  const std::string status = state.adopted ? "unknown exit status" : describe_status(state.exit_status);
+  const std::string how = fmt::format("{} after {:.1f} s", status, static_cast<double>(lived) * 1e-6);
   keeper_.note(id, "-- ended: " + how);
   heartbeats_.end(id);
+  adoptions_.ended(id);
   alarms_.ended(state, how, steady_clock());
   int& short_runs = short_runs_[id];
   short_runs = lived < kShortLife && state.respawn_at != 0 ? short_runs + 1 : 0;

@@ -12,6 +12,7 @@
 #include "common/shell/event_loop.hpp"
 #include "common/shell/status_reporter.hpp"
 #include "procman/config/config.hpp"
+#include "procman/deputy/adoptions.hpp"
 #include "procman/deputy/alarms.hpp"
 #include "procman/deputy/deputy.hpp"
 #include "procman/deputy/deputy_config.hpp"
@@ -55,6 +56,7 @@ class DeputyApp {
   void resend_last_lines();
 
   DeputyAppOptions options_;
+  Adoptions adoptions_;  // before what opens files
   output::Console console_;
   output::Console errors_;
   config::Config config_;  // commands of this deputy only

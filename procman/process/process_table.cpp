@@ -29,16 +29,6 @@ std::string read_text(const std::string& path) {
   return text;
 }
 
-bool carries_mark(pid_t pid, const std::string& mark) {
-  const std::string environment = '\0' + read_text("/proc/" + std::to_string(pid) + "/environ") + '\0';
-  std::string wanted(1, '\0');  // piece by piece: of one long sum g++ 12 warns falsely where it sanitizes
-  wanted += kMarkVariable;
-  wanted += '=';
-  wanted += mark;
-  wanted += '\0';
-  return environment.find(wanted) != std::string::npos;
-}
-
 }  // namespace
 
 std::optional<ProcessInfo> parse_process_stat(const std::string& text) {
@@ -53,11 +43,11 @@ std::optional<ProcessInfo> parse_process_stat(const std::string& text) {
   std::int64_t system = 0;
   std::int64_t pages = 0;
   head >> info.pid;
-  rest >> state >> info.parent >> skipped >> info.session;  // fields 3..6 of proc(5)
-  for (int field = 7; field <= 13; ++field) rest >> skipped;
+  rest >> state >> info.parent >> skipped >> info.session >> info.terminal;  // fields 3..7 of proc(5)
+  for (int field = 8; field <= 13; ++field) rest >> skipped;
   rest >> user >> system;  // 14, 15
-  for (int field = 16; field <= 22; ++field) rest >> skipped;
-  rest >> info.memory_virtual >> pages;  // 23, 24
+  for (int field = 16; field <= 21; ++field) rest >> skipped;
+  rest >> info.start_ticks >> info.memory_virtual >> pages;  // 22..24
   if (!head || !rest) return std::nullopt;
   info.zombie = state == 'Z' || state == 'X';
   info.cpu_ticks = user + system;
@@ -82,11 +72,22 @@ std::vector<ProcessInfo> read_process_table() {
   return table;
 }
 
-std::vector<pid_t> find_family(const std::vector<ProcessInfo>& table, pid_t leader, const std::string& mark) {
+std::string read_mark(pid_t pid) {
+  std::string name(1, '\0');  // piece by piece: of one long sum g++ 12 warns falsely where it sanitizes
+  name += kMarkVariable;
+  name += '=';
+  const std::string environment = '\0' + read_text("/proc/" + std::to_string(pid) + "/environ");
+  const std::size_t at = environment.find(name);
+  return at == std::string::npos ? "" : environment.c_str() + at + name.size();
+}
+
+std::vector<pid_t> find_family(const std::vector<ProcessInfo>& table, pid_t leader, const std::string& mark,
+                               pid_t reaper) {
   const pid_t self = getpid();
   std::set<pid_t> members;
   for (const ProcessInfo& info : table) {
-    const bool adopted = info.parent == self && info.pid != leader && carries_mark(info.pid, mark);
+    const bool orphan = info.parent == self || info.parent == reaper;
+    const bool adopted = orphan && info.pid != leader && read_mark(info.pid) == mark;
     if (info.pid == leader || info.session == leader || adopted) members.insert(info.pid);
   }
   for (bool grown = true; grown;) {  // repeated, because a child may be listed before its parent

@@ -9,8 +9,8 @@
 
 namespace curbstone::procman::process {
 
-/// A process on its own pseudo-terminal (pty(7)), which makes its output line-buffered. If the deputy is killed, the
-/// terminal hangs up and the process gets SIGHUP.
+/// A process on its own pseudo-terminal (pty(7)), which makes its output line-buffered. When nobody has its master side
+/// open any more, because the deputy was killed, the terminal hangs up and the process gets SIGHUP.
 struct SpawnedProcess {
   pid_t pid = 0;            ///< also the id of its process group and its session
   FileDescriptor terminal;  ///< master side, non-blocking; yields stdout and stderr with "\r\n"

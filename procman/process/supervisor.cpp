@@ -35,6 +35,11 @@ FileDescriptor watch_children() {
   return fd;
 }
 
+/// Of all processes of a command; names this deputy too.
+std::string new_mark(const std::string& id) {
+  return std::to_string(getpid()) + ":" + id;
+}
+
 }  // namespace
 
 Supervisor::Supervisor(EventLoop& loop, Events events)
@@ -48,6 +53,7 @@ Supervisor::~Supervisor() {
   for (auto& [id, managed] : commands_) {
     if (managed->process.pid != 0 && !managed->leader_gone) waitpid(managed->process.pid, nullptr, 0);
     close_terminal(*managed);
+    if (managed->end) loop_.unwatch(managed->end.get());
   }
   loop_.unwatch(child_signal_.get());
 }
@@ -56,7 +62,7 @@ void Supervisor::set(const config::Command& command) {
   auto& managed = commands_[command.id];
   if (!managed) {
     managed = std::make_unique<Managed>();
-    managed->mark = std::to_string(getpid()) + ":" + command.id;
+    managed->mark = new_mark(command.id);
   }
   managed->state.command = command;
   managed->remove_at_end = false;
@@ -142,6 +148,16 @@ bool Supervisor::any_running() const {
   return std::any_of(commands_.begin(), commands_.end(), [](const auto& item) { return item.second->state.pid != 0; });
 }
 
+int Supervisor::terminal(const std::string& id) const {
+  const auto it = commands_.find(id);
+  return it == commands_.end() ? -1 : it->second->process.terminal.get();
+}
+
+std::vector<pid_t> Supervisor::family(const std::string& id) const {
+  const auto it = commands_.find(id);
+  return it == commands_.end() || it->second->state.pid == 0 ? std::vector<pid_t>() : family(*it->second);
+}
+
 void Supervisor::launch(Managed& managed) {
   CommandState& state = managed.state;
   state.respawn_at = 0;
@@ -150,10 +166,14 @@ void Supervisor::launch(Managed& managed) {
   state.killed = false;
   state.hung = false;
   state.refused = false;
+  state.adopted = false;
   state.started = steady_clock();
   ++state.starts;
   managed.leader_gone = false;
   managed.start_at_end = false;
+  managed.end = FileDescriptor();
+  managed.reaper = 0;
+  managed.mark = new_mark(state.command.id);
   const std::string id = state.command.id;
   const config::ExecLine line = config::parse_exec_line(state.command.exec, config::from_environment);
   try {
@@ -165,12 +185,17 @@ void Supervisor::launch(Managed& managed) {
     end_life(managed);
     return;
   }
-  state.pid = managed.process.pid;
+  begin_life(managed);
+}
+
+void Supervisor::begin_life(Managed& managed) {
+  const std::string id = managed.state.command.id;
+  managed.state.pid = managed.process.pid;
   loop_.watch(managed.process.terminal.get(), [this, id] {
     const auto it = commands_.find(id);
     if (it != commands_.end()) read_output(*it->second, kReadAtMost);
   });
-  events_.started(state);
+  events_.started(managed.state);
 }
 
 void Supervisor::begin_stop(Managed& managed, double time_allowed) {
@@ -187,8 +212,12 @@ void Supervisor::begin_kill(Managed& managed) {
   signal_family(managed, SIGKILL);
 }
 
+std::vector<pid_t> Supervisor::family(const Managed& managed) {
+  return find_family(read_process_table(), managed.process.pid, managed.mark, managed.reaper);
+}
+
 void Supervisor::signal_family(const Managed& managed, int signal) {
-  for (const pid_t pid : find_family(read_process_table(), managed.process.pid, managed.mark)) kill(pid, signal);
+  for (const pid_t pid : family(managed)) kill(pid, signal);
 }
 
 void Supervisor::read_output(Managed& managed, std::size_t at_most) {
@@ -239,7 +268,7 @@ void Supervisor::reap() {
 
 /// After the first process has ended: the life is over when its descendants have ended too.
 void Supervisor::end_if_all_exited(Managed& managed) {
-  if (!find_family(read_process_table(), managed.process.pid, managed.mark).empty()) {
+  if (!family(managed).empty()) {
     if (!managed.state.stopping) begin_stop(managed, managed.state.command.stop_time_allowed);
     return;
   }

@@ -10,6 +10,7 @@
 
 #include "common/shell/event_loop.hpp"
 #include "procman/config/config.hpp"
+#include "procman/process/adoption.hpp"
 #include "procman/process/backoff.hpp"
 #include "procman/process/spawn.hpp"
 #include "procman/process/timer.hpp"
@@ -20,7 +21,8 @@ namespace curbstone::procman::process {
 struct CommandState {
   config::Command command;  ///< as at the next start
   pid_t pid = 0;            ///< 0: not running. Kept until the last descendant has ended
-  int exit_status = 0;      ///< raw status from waitpid(), of the last life; 0 while it runs
+  int exit_status = 0;      ///< raw status from waitpid(), of the last life; 0 while it runs, and if it was adopted
+  bool adopted = false;     ///< the last life was started by an earlier deputy
   bool wanted = false;      ///< should be running: decides on a respawn
   bool stopping = false;
   bool killed = false;          ///< the last life needed SIGKILL
@@ -60,6 +62,9 @@ class Supervisor {
   /// Removes a command: at once if it is not running, else when it has ended.
   void remove(const std::string& id);
 
+  /// Takes over a life of the command that an earlier deputy started. Only if the command is known and not running.
+  void adopt(const std::string& id, AdoptedProcess adopted);
+
   /// No effect if it is running.
   void start(const std::string& id);
   /// Sends the stop signal to the command and its descendants, and SIGKILL when stop_time_allowed has passed.
@@ -77,6 +82,10 @@ class Supervisor {
   [[nodiscard]] const CommandState* find(const std::string& id) const;
   [[nodiscard]] std::vector<const CommandState*> commands() const;  ///< sorted by id
   [[nodiscard]] bool any_running() const;
+  /// Of a running command; -1 if it has none.
+  [[nodiscard]] int terminal(const std::string& id) const;
+  /// All its living processes, with those that it left behind.
+  [[nodiscard]] std::vector<pid_t> family(const std::string& id) const;
 
  private:
   struct Managed {
@@ -84,6 +93,8 @@ class Supervisor {
     SpawnedProcess process;
     Backoff backoff;
     std::string mark;
+    FileDescriptor end;        // of an adopted process: readable when it has ended
+    pid_t reaper = 0;          // of what an adopted process orphans
     bool leader_gone = false;  // reaped; descendants may still live
     bool remove_at_end = false;
     bool start_at_end = false;
@@ -91,8 +102,10 @@ class Supervisor {
   };
 
   void launch(Managed& managed);
+  void begin_life(Managed& managed);
   void begin_stop(Managed& managed, double time_allowed);
   static void begin_kill(Managed& managed);
+  static std::vector<pid_t> family(const Managed& managed);
   static void signal_family(const Managed& managed, int signal);
   void read_output(Managed& managed, std::size_t at_most);
   void close_terminal(Managed& managed);

@@ -34,6 +34,7 @@ class LocalizerNode final : public Node {
   LocalizerNode(const LocalizerConfig& config, Publisher& bus);
 
   void connect(Subscriber& bus) override;
+  void clock_was_set(std::int64_t by) override { bridge_.clock_was_set(static_cast<double>(by) * 1e-6); }
   void finish() override;
   [[nodiscard]] NodeReport report() const override;
 

@@ -1,7 +1,8 @@
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
-#include <sys/socket.h>
-#include <unistd.h>
+
+#include <chrono>
+#include <memory>
+#include <thread>
 
 #include "tests/system/run_program.hpp"
 #include "tests/temporary_folder.hpp"
@@ -19,14 +20,10 @@ void expect_refused(const std::string& command, const std::string& says) {
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
 }
 
-TEST(BadStarts, ALidarPortThatSomebodyElseHas) {
-  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(6699);
-  ASSERT_EQ(bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
-  expect_refused("curbstone-lidar", "6699");
-  close(socket);
+TEST(BadStarts, AHostWithoutARouteForTheBus) {
+  if (run_program("unshare -n true").exit_status != 0) GTEST_SKIP() << "may not make a network";
+  expect_refused("unshare -n curbstone-imu", "Network is unreachable");
+  expect_refused("unshare -n curbstone-deputy --allow-any", "Network is unreachable");
 }
 
 TEST(BadStarts, ACaptureThatIsNotThere) {
@@ -51,6 +48,21 @@ TEST(BadStarts, AMapThatIsNone) {  // one whose folder is not there is waited fo
   write_file(folder / "map.db", "this is a letter, not a map\n");
   expect_refused("curbstone-semantic-map --set map=" + (folder / "map.db").string(), "map.db");
   EXPECT_EQ(read_file(folder / "map.db"), "this is a letter, not a map\n") << "left as it was";
+}
+
+TEST(BadStarts, AnExporterWaitsForAPortThatAnotherHas) {
+  const test::TemporaryFolder folder;
+  auto first = std::make_unique<BackgroundProgram>("curbstone-exporter", folder / "first");
+  const auto says = [](const BackgroundProgram& program, const std::string& what) {
+    for (int i = 0; i < 200 && program.output().find(what) == std::string::npos; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    return program.output();
+  };
+  ASSERT_THAT(says(*first, "9750/metrics"), HasSubstr("http://127.0.0.1:9750/metrics"));
+  const BackgroundProgram second("curbstone-exporter", folder / "second");
+  EXPECT_THAT(says(second, "cannot listen"), HasSubstr("exporter: cannot listen at 127.0.0.1:9750"));
+  first.reset();
+  EXPECT_THAT(says(second, "9750/metrics"), HasSubstr("http://127.0.0.1:9750/metrics"));
 }
 
 /// Debian mounts a disk with errors read-only.

@@ -1,13 +1,16 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include <memory>
 #include <mutex>
 #include <string>
 
 #include "common/bus/lcm_bus.hpp"
 #include "common/config/command_line.hpp"
 #include "common/shell/event_loop.hpp"
+#include "common/shell/status_reporter.hpp"
 #include "common/time/clock.hpp"
+#include "common/time/retry_backoff.hpp"
 #include "tools/exporter/metrics_server.hpp"
 #include "tools/exporter/metrics_text.hpp"
 #include "tools/spy/board/bus_board.hpp"
@@ -34,11 +37,28 @@ void run_exporter(const std::string& url, const exporter::ServerAddress& address
         board.on_message(channel, data, static_cast<std::size_t>(size), utime);
       },
       {20'000});
-  const exporter::MetricsServer server(address, [&] {
-    const std::scoped_lock lock(mutex);
-    return exporter::metrics_text(board, wall_clock());
-  });
-  fmt::print(stderr, "exporter: http://{}:{}/metrics\n", address.address, server.port());
+  StatusReporter reporter("exporter", "");
+  NodeReport report;
+  RetryBackoff retry;
+  std::unique_ptr<exporter::MetricsServer> server;
+  const auto listen = [&] {
+    if (server || !retry.due(steady_clock())) return;
+    try {
+      server = std::make_unique<exporter::MetricsServer>(address, [&] {
+        const std::scoped_lock lock(mutex);
+        return exporter::metrics_text(board, wall_clock());
+      });
+      report.faults.clear();
+      fmt::print(stderr, "exporter: http://{}:{}/metrics\n", address.address, server->port());
+    } catch (const std::runtime_error& error) {
+      report.faults = {error.what()};
+      retry.failed(steady_clock());
+    }
+    if (reporter.faults_changed(report)) reporter.publish(bus, bus.counters(), report);
+  };
+  listen();
+  loop.every(std::chrono::milliseconds(100), listen);
+  loop.every(std::chrono::milliseconds(1000), [&] { reporter.publish(bus, bus.counters(), report); });
   loop.watch(bus.fd(), [&] { bus.handle(std::chrono::milliseconds(0)); });
   loop.run();
 }

@@ -25,6 +25,11 @@ class MetricsServer::Impl {
  public:
   Impl(const ServerAddress& address, std::function<std::string()> metrics) {
     server_.new_task_queue = [] { return new httplib::ThreadPool(2); };  // the server deletes it
+    // Without SO_REUSEPORT, which is the library's default: two servers would take turns.
+    server_.set_socket_options([](socket_t socket) {
+      const int on = 1;
+      setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    });
     server_.set_keep_alive_max_count(1);
     server_.set_read_timeout(2);
     server_.set_write_timeout(2);
@@ -42,7 +47,12 @@ class MetricsServer::Impl {
     port_ = address.port;
     const bool bound = port_ != 0 ? server_.bind_to_port(address.address, port_)
                                   : (port_ = server_.bind_to_any_port(address.address)) > 0;
-    if (!bound) throw std::runtime_error(fmt::format("cannot listen on {}:{}", address.address, address.port));
+    if (!bound) {
+      throw std::runtime_error(
+          fmt::format("cannot listen at {0}:{1}: the address is not of this host, or another process has the port "
+                      "(ss -tlpn 'sport = :{1}' shows it)",
+                      address.address, address.port));
+    }
     thread_ = std::thread([this] {
       server_.listen_after_bind();
       ended_ = true;

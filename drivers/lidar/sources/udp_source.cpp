@@ -25,11 +25,11 @@ in_addr address(const std::string& text, const char* key) {
 [[noreturn]] void fail_bind(int port, const std::string& host, int error) {
   switch (error) {
     case EADDRINUSE:
-      throw std::runtime_error(fmt::format(
+      throw PortUnavailable(fmt::format(
           "port {} is in use by another process: stop it (ss -ulpn 'sport = :{}' shows it) or choose another port",
           port, port));
     case EADDRNOTAVAIL:
-      throw InterfaceMissing(
+      throw PortUnavailable(
           fmt::format("host_address: this machine has no interface with address {} (ip address shows them)", host));
     case EACCES:
       throw std::runtime_error(fmt::format("port {} may only be opened by root: choose one above 1023", port));
@@ -46,7 +46,7 @@ void join(int fd, const std::string& group, const std::string& host) {
   const int error = errno;
   const auto text =
       fmt::format("group_address: cannot join {} on {}: {}", group, host, std::generic_category().message(error));
-  if (error == ENODEV || error == EADDRNOTAVAIL) throw InterfaceMissing(text);
+  if (error == ENODEV || error == EADDRNOTAVAIL) throw PortUnavailable(text);
   throw std::runtime_error(text);
 }
 

@@ -18,8 +18,8 @@ struct UdpOptions {
   std::string device_address;            ///< packets of other senders are dropped; empty = any sender
 };
 
-/// The sensor's interface does not exist or has no address yet; it may appear later.
-class InterfaceMissing : public std::runtime_error {
+/// The sensor's interface does not exist or has no address yet, or another process has the port: it may pass.
+class PortUnavailable : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
@@ -30,8 +30,8 @@ class UdpSource {
   /// `received`: us since the Unix epoch, kernel time of receipt.
   using Handler = std::function<void(std::int64_t received, int port, std::span<const std::uint8_t>)>;
 
-  /// Throws std::runtime_error with a one-line message that says how to fix the error: InterfaceMissing if it may
-  /// disappear without help.
+  /// Throws std::runtime_error with a one-line message that says how to fix the error: PortUnavailable if it may
+  /// pass without help.
   UdpSource(int port, const UdpOptions& options);
   ~UdpSource();
   UdpSource(const UdpSource&) = delete;

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <memory>
 
 #include "common/bus/local_bus.hpp"
 #include "common/time/clock.hpp"
@@ -71,6 +72,33 @@ TEST(NetworkFeed, SaysThatTwoDevicesSendUntilNeitherDoes) {
   loop.run();
   EXPECT_TRUE(was_said);
   EXPECT_FALSE(is_said()) << "both have been silent";
+}
+
+TEST(NetworkFeed, OpensAPortThatSomebodyElseHadAsSoonAsItIsFree) {
+  LidarConfig config;
+  config.msop_port = kPort;
+  LocalBus bus;
+  LidarNode node(config, bus);
+  EventLoop loop;
+  auto other = std::make_unique<sources::UdpSource>(kPort, sources::UdpOptions{});
+  const auto feed = feed_from_network(config, node, loop);
+  const auto is_said = [&] {
+    return std::ranges::any_of(node.report().faults,
+                               [](const auto& fault) { return fault.find("in use by another") != std::string::npos; });
+  };
+  EXPECT_TRUE(is_said());
+  Device device(2);
+  const auto packets = [&] { return node.report().counters["packets"]; };
+  const std::int64_t begin = steady_clock();
+  loop.every(std::chrono::milliseconds(10), [&] {
+    if (other && steady_clock() - begin > 300'000) other.reset();
+    device.send();
+    if (packets() > 0 || steady_clock() > begin + kPatience) loop.stop();
+  });
+  loop.run();
+  EXPECT_FALSE(other);
+  EXPECT_FALSE(is_said());
+  EXPECT_GT(packets(), 0);
 }
 
 }  // namespace

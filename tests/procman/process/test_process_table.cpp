@@ -17,8 +17,10 @@ TEST(ProcessTable, NamesWithBlanksAndBracketsDoNotConfuseIt) {
   EXPECT_EQ(info->pid, 4242);
   EXPECT_EQ(info->parent, 17);
   EXPECT_EQ(info->session, 4242);
+  EXPECT_EQ(info->terminal, 34816);
   EXPECT_FALSE(info->zombie);
   EXPECT_EQ(info->cpu_ticks, 300);
+  EXPECT_EQ(info->start_ticks, 12345);
   EXPECT_EQ(info->memory_virtual, 1000000);
   EXPECT_EQ(info->memory_resident, 25 * sysconf(_SC_PAGESIZE));
 }

@@ -106,6 +106,42 @@ TEST_F(LocalizerOnAYard, WhereTheHostsClockIsSetThePoseGoesOn) {
   }
 }
 
+/// It is told so: from the stamps alone a step forward looks like a silence.
+TEST_F(LocalizerOnAYard, WhereTheHostsClockIsSetWhileItStandsThePoseGoesOn) {
+  for (const std::int64_t step : {-2'000'000LL, 2'000'000LL, 7'200'000'000LL}) {
+    step_ = 0;
+    clock_ = kStart;
+    heard_ = kStart - 50'000;
+    seen_ = 0;
+    poses_.clear();
+    begin();
+    drive_until(50);
+    ASSERT_FALSE(lost());
+    node_->clock_was_set(step);
+    clock_ += step;
+    heard_ = clock_ + seen_ * kRevolution + 10'000;
+    drive_until(100);
+    for (const map_pose_t& pose : poses_)
+      EXPECT_FALSE(pose.revolution > 20 && (pose.flags & map_pose_t::LOST) != 0) << step << ' ' << pose.revolution;
+    EXPECT_GE(poses_.size(), 97U);
+    EXPECT_LT(error(), 0.1);
+  }
+}
+
+/// A silence that is not as long as the step is none the less one.
+TEST_F(LocalizerOnAYard, AfterASilenceOfAnotherLengthThanTheStepItIsLost) {
+  step_ = 0;
+  begin();
+  drive_until(50);
+  ASSERT_FALSE(lost());
+  node_->clock_was_set(1'000'000);
+  clock_ += 1'000'000;
+  seen_ += 40;
+  heard_ = clock_ + seen_ * kRevolution;
+  drive_until(seen_ + 3);
+  EXPECT_TRUE(lost());
+}
+
 /// As a silence of both sensors is, from which nobody knows how far the vehicle has driven.
 TEST_F(LocalizerOnAYard, AfterASilenceOfBothSensorsItIsLost) {
   step_ = 0.12;

@@ -26,6 +26,11 @@ TEST(MetricsServer, AnswersOnlyToItsOwnNames) {
   EXPECT_EQ(client.Get("/metrics", {{"Host", "localhost:" + std::to_string(server.port())}})->status, 200);
 }
 
+TEST(MetricsServer, APortThatAnotherServerHasIsAnError) {
+  const MetricsServer first({}, [] { return ""; });
+  EXPECT_THROW(MetricsServer({"127.0.0.1", first.port(), {}}, [] { return ""; }), std::runtime_error);
+}
+
 TEST(MetricsServer, AnAddressThatIsNotOfThisHostIsAnError) {
   EXPECT_THROW(MetricsServer({"192.0.2.1", 9750, {}}, [] { return ""; }), std::runtime_error);
 }

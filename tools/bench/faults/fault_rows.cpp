@@ -172,7 +172,7 @@ std::vector<Fault> all_faults() {
   std::vector<Fault> faults = {nothing("none", Fault{}.seconds), nothing("none, 60 s", kLongDrive)};
   for (const char* command : kCommands) faults.push_back(killed(command));
   const Excuse lidar_too = all_excused("the LiDAR's driver dies as well, and with it what it kept");
-  faults.push_back(with(lidar_too, killed("deputy")));
+  faults.push_back(killed("deputy"));
   faults.push_back(both_killed("ekf", "mapper"));
   faults.push_back(both_killed("tensor_voting:1", "semantic_map"));
   faults.push_back(with(lidar_too, power_lost()));

@@ -72,10 +72,9 @@ StackDrive::~StackDrive() {
 }
 
 void StackDrive::start_deputy() {
-  deputy_ = std::make_unique<programs::BackgroundProgram>(
-      fmt::format("curbstone-deputy --config '{}' --script stack --quiet --log-dir '{}/logs'", options_.procman_config,
-                  options_.folder),
-      options_.folder + "/deputy.out");
+  deputy_ = manager_.start(fmt::format("curbstone-deputy --config '{}' --script stack --quiet --log-dir '{}/logs'",
+                                       options_.procman_config, options_.folder),
+                           options_.folder + "/deputy.out");
 }
 
 bool StackDrive::over() {
@@ -131,7 +130,6 @@ void StackDrive::kill_command(const std::string& command) {
   if (command == "deputy") {
     deputy_->send_signal(SIGKILL);
     deputy_->wait(kPatience);
-    for (const std::string& name : commands_) killed_.insert(bus_.pid(name));  // its terminals hang up
     start_deputy();
   } else {
     kill_without_notice(command);
@@ -187,6 +185,7 @@ void StackDrive::lose_power() {
   deputy_->send_signal(SIGKILL);
   for (const std::string& command : commands_) kill_without_notice(command);
   deputy_->wait(kPatience);
+  manager_.close_all();
   start_deputy();
   deed_done();
 }

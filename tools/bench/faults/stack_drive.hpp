@@ -13,6 +13,7 @@
 #include "tools/bench/faults/small_disk.hpp"
 #include "tools/bench/faults/watched_bus.hpp"
 #include "tools/bench/programs/background_program.hpp"
+#include "tools/bench/programs/service_manager.hpp"
 
 namespace curbstone::bench::faults {
 
@@ -101,6 +102,7 @@ class StackDrive {
   bool done_ = false;             // a fault was injected
   bool clean_ = false;
   std::vector<pid_t> loops_;
+  programs::ServiceManager manager_;  // of the deputy, as systemd is
   std::unique_ptr<programs::BackgroundProgram> simulator_, deputy_;
 };
 

@@ -17,7 +17,20 @@ int shell_status(int wait_status) {
   return WIFEXITED(wait_status) ? WEXITSTATUS(wait_status) : 128 + WTERMSIG(wait_status);
 }
 
-BackgroundProgram::BackgroundProgram(const std::string& line, std::string output_file)
+namespace {
+
+/// Copies them out of the way first: one may have the number of another.
+void pass(const std::vector<int>& fds) {
+  const int first = STDERR_FILENO + 1;
+  const int clear = first + static_cast<int>(fds.size());
+  std::vector<int> copies;
+  for (const int fd : fds) copies.push_back(fcntl(fd, F_DUPFD_CLOEXEC, clear));
+  for (std::size_t i = 0; i < copies.size(); ++i) dup2(copies[i], first + static_cast<int>(i));
+}
+
+}  // namespace
+
+BackgroundProgram::BackgroundProgram(const std::string& line, std::string output_file, const std::vector<int>& passed)
     : output_file_(std::move(output_file)) {
   const std::string replaced = "exec " + line;
   const pid_t parent = getpid();
@@ -30,6 +43,7 @@ BackgroundProgram::BackgroundProgram(const std::string& line, std::string output
     dup2(output, STDOUT_FILENO);
     dup2(output, STDERR_FILENO);
   }
+  pass(passed);
   execl("/bin/sh", "sh", "-c", replaced.c_str(), nullptr);
   _exit(127);
 }

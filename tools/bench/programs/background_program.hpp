@@ -3,6 +3,7 @@
 #include <sys/types.h>
 
 #include <string>
+#include <vector>
 
 namespace curbstone::bench::programs {
 
@@ -13,8 +14,9 @@ namespace curbstone::bench::programs {
 /// dies earlier by any signal.
 class BackgroundProgram {
  public:
-  /// `line`: a command for sh, which execs the program. Output is appended to `output_file`.
-  BackgroundProgram(const std::string& line, std::string output_file);
+  /// `line`: a command for sh, which execs the program. Output is appended to `output_file`. The program has `passed`
+  /// as its descriptors 3, 4 and so on.
+  BackgroundProgram(const std::string& line, std::string output_file, const std::vector<int>& passed = {});
   ~BackgroundProgram();
   BackgroundProgram(const BackgroundProgram&) = delete;
   BackgroundProgram& operator=(const BackgroundProgram&) = delete;
