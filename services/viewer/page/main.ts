@@ -281,6 +281,11 @@ function onMeasured(): void {
 }
 
 function savePicture(): void {
+  if (inspector.covered !== ruler.isOn) {
+    inspector.covered = ruler.isOn;
+    inspector.show(settings.look, settings.mode);
+    resize();
+  }
   draftMode.end();
   draw(performance.now());  // the ground can only be read in the task that drew it
   saveCanvases([groundCanvas, marksCanvas], css(kBackground[settings.look]));
