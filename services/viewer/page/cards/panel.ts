@@ -88,7 +88,7 @@ export class Panel {
     list(byId("facts"), [
       ["Speed", speed === null ? "–" : `${speed.toFixed(1)} m/s`],
       ["Position", `${[pose.x, pose.y, pose.z].map(m => fixed(m, 2)).join(", ")} m`],
-      ["Heading", `${degrees(pose.yaw)}°`],
+      ["Yaw", `${degrees(pose.yaw)}°`],
       ["Uncertainty", uncertainty(pose)],
       ["Registration", registration(pose), pose.lost || !pose.registered],
       ["Residual, inliers", `${metres(pose.residual)}, ${Math.round(100 * pose.inliers)} %`],
