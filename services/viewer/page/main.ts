@@ -1,7 +1,7 @@
 // The page: the connection updates the world, and the camera shows it.
 import { InitialLoad } from "./initial_load";
 import { showTurn } from "./cards/compass";
-import { showServices, Verdict } from "./cards/health";
+import { showServices } from "./cards/health";
 import { Inspector } from "./cards/inspector";
 import { Panel, showSummary } from "./cards/panel";
 import { Ruler } from "./cards/ruler";
@@ -52,7 +52,6 @@ let isWell = true;  // of the live data, whatever is shown
 let epoch = 0;       // of the shown map
 let range: [number, number] = [-1, 3];
 let grey = 0, lives = false;  // lives: the vehicle, on a grey map
-let verdict: Verdict = { faults: 0, silent: 0, all: 0 };
 let wanted = false;
 
 function redraw(): void {
@@ -174,10 +173,10 @@ function look(): void {
   settings.write(camera);
   const latency = grey || isPast || state?.playback?.ended ? null : state?.latency[0] ?? null;
   byId("latency").textContent = latency === null ? "" : `${seconds(latency)} from sensor to screen`;
-  verdict = showServices(world.services, isPast ? 0 : connection.age() / 1000, state?.playback ?? null);
+  const alarm = showServices(world.services, isPast ? 0 : connection.age() / 1000, state?.playback ?? null);
   if (state) panel.showState(state, motion.speed);
   if (showSource(state)) resize();
-  showSummary(state?.source === "map", motion.speed, latency, verdict.faults, verdict.silent);
+  showSummary(state?.source === "map", motion.speed, latency, alarm);
   cloudLayer.trim(camera);
   const fresh = settings.mode === "height" || settings.layers.cloud ? heightRange(world, camera) : range;
   if (Math.abs(fresh[0] - range[0]) + Math.abs(fresh[1] - range[1]) > 0.1) {
@@ -200,6 +199,12 @@ function settingsChanged(): void {
   cloudLayer.ask();
   settings.write(camera);
   redraw();
+}
+
+/// The alarm in the bar was clicked: its process is among the others.
+function showProcesses(): void {
+  if (!settings.panel) togglePanel();
+  byId("health").scrollIntoView();
 }
 
 /// Shows or hides the panel; where it is a sheet over the map, pulls it up or down.
@@ -276,16 +281,16 @@ function onPicked(): void {
 /// Called when the measured places changed. Both must be visible beside the card, which grows with the second one.
 function onMeasured(): void {
   ruler.show();
-  if (!settings.follow && ruler.places.length === 2) for (const { x, y } of ruler.places) uncover(camera, x, y, "ruler");
-  redraw();
-}
-
-function savePicture(): void {
   if (inspector.covered !== ruler.isOn) {
     inspector.covered = ruler.isOn;
     inspector.show(settings.look, settings.mode);
     resize();
   }
+  if (!settings.follow && ruler.places.length === 2) for (const { x, y } of ruler.places) uncover(camera, x, y, "ruler");
+  redraw();
+}
+
+function savePicture(): void {
   draftMode.end();
   draw(performance.now());  // the ground can only be read in the task that drew it
   saveCanvases([groundCanvas, marksCanvas], css(kBackground[settings.look]));
@@ -309,6 +314,7 @@ function wire(): void {
     cloud: () => { settings.layers.cloud = !settings.layers.cloud; settingsChanged(); },
     escape: () => panel.isOpen ? panel.open(false) : ruler.isOn ? ruler.toggle() : inspector.pick(null),
   }, map, walk, () => touched(...camera.middle));
+  byId("alarm").onclick = showProcesses;
   new ResizeObserver(resize).observe(map);  // the window was resized, or the phone was turned
   addEventListener("resize", resize);       // the window moved to a screen of another pixel density
   addEventListener("hashchange", () => {    // a link was pasted, or the browser's Back was used

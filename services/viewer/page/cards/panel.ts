@@ -199,10 +199,10 @@ function cloudEnds(by: CloudColour, range: [number, number]): [string, string] {
 }
 
 /// The summary line of the folded panel on a phone.
-export function showSummary(isFile: boolean, speed: number | null, latency: number | null, faults: number, silent: number): void {
+export function showSummary(isFile: boolean, speed: number | null, latency: number | null, alarm: string): void {
   const [title, news] = byId("summary").children as unknown as [HTMLElement, HTMLElement];
   setText(title, isFile ? "Layers" : "Layers and health");
   const figures = [speed === null ? "" : `${speed.toFixed(1)} m/s`, latency === null ? "" : `${seconds(latency)} delay`];
-  setText(news, faults ? `${faults} with faults` : silent ? `${silent} silent` : figures.filter(Boolean).join(" · "));
-  news.className = faults || silent ? "bad" : "";
+  setText(news, alarm || figures.filter(Boolean).join(" · "));
+  news.className = alarm ? "bad" : "";
 }
