@@ -27,6 +27,7 @@ import { TiltedMarks } from "./drawing/tilted/tilted_marks";
 import { Tilting } from "./drawing/tilted/tilting";
 import { byId, fixed, seconds } from "./format";
 import { listen } from "./gestures";
+import { News } from "./news";
 import { Rewind } from "./past/rewind";
 import { Settings } from "./settings";
 import { isLocalized, judge, judgePast, kElsewhere, kNoCloud, kNoLink } from "./staleness";
@@ -52,6 +53,7 @@ let isWell = true;  // of the live data, whatever is shown
 let epoch = 0;       // of the shown map
 let range: [number, number] = [-1, 3];
 let grey = 0, lives = false;  // lives: the vehicle, on a grey map
+const news = new News();
 let wanted = false;
 
 function redraw(): void {
@@ -124,7 +126,7 @@ function onNews(): void {
   const wasOpen = !byId("cell").hidden;
   inspector.show(settings.look, settings.mode);
   if (wasOpen && byId("cell").hidden) inspector.pick(null);  // the map of the cell is gone
-  draws ? redraw() : connection.drawn();
+  draws && news.isOther(world) ? redraw() : connection.drawn();
 }
 
 /// Called when another map is shown: what was pointed out in the one before is nowhere in it.
@@ -201,12 +203,6 @@ function settingsChanged(): void {
   redraw();
 }
 
-/// The alarm in the bar was clicked: its process is among the others.
-function showProcesses(): void {
-  if (!settings.panel) togglePanel();
-  byId("health").scrollIntoView();
-}
-
 /// Shows or hides the panel; where it is a sheet over the map, pulls it up or down.
 function togglePanel(): void {
   if (matchMedia(kSheet).matches) return panel.open(!panel.isOpen);
@@ -281,13 +277,10 @@ function onPicked(): void {
 /// Called when the measured places changed. Both must be visible beside the card, which grows with the second one.
 function onMeasured(): void {
   ruler.show();
-  if (inspector.covered !== ruler.isOn) {
-    inspector.covered = ruler.isOn;
-    inspector.show(settings.look, settings.mode);
-    resize();
-  }
+  inspector.covered = ruler.isOn;
+  inspector.show(settings.look, settings.mode);
+  resize();
   if (!settings.follow && ruler.places.length === 2) for (const { x, y } of ruler.places) uncover(camera, x, y, "ruler");
-  redraw();
 }
 
 function savePicture(): void {
@@ -314,7 +307,10 @@ function wire(): void {
     cloud: () => { settings.layers.cloud = !settings.layers.cloud; settingsChanged(); },
     escape: () => panel.isOpen ? panel.open(false) : ruler.isOn ? ruler.toggle() : inspector.pick(null),
   }, map, walk, () => touched(...camera.middle));
-  byId("alarm").onclick = showProcesses;
+  byId("alarm").onclick = () => {
+    if (!settings.panel) togglePanel();
+    byId("health").scrollIntoView();
+  };
   new ResizeObserver(resize).observe(map);  // the window was resized, or the phone was turned
   addEventListener("resize", resize);       // the window moved to a screen of another pixel density
   addEventListener("hashchange", () => {    // a link was pasted, or the browser's Back was used

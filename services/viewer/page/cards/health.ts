@@ -35,7 +35,7 @@ function showAlarm(words: string, others: number): void {
   const alarm = byId("alarm");
   alarm.hidden = !words;
   setText(alarm, words + (others > 0 ? ` (and ${others} more)` : ""));
-  alarm.title = alarm.textContent!;
+  if (words) alarm.title = alarm.textContent!;
 }
 
 /// Of the processes that are heard.
