@@ -48,7 +48,7 @@ export function judge(state: State | null, services: Service[], { isOpen, age, r
   if (state.bus_age === null) return { word: "Waiting", sentence: "Nothing has been heard on the bus yet: are the services running?", mood: "", grey: 0 };
   if (state.bus_age > kOld)
     return { word: "Silent", mood: "bad", grey: 1, sentence: `The bus has been silent for ${seconds(state.bus_age)}: this is how it was` };
-  const fault = firstFault(services.filter(s => s.age <= kMapOld)), cause = fault && `. ${fault}`;
+  const fault = firstFault(services.filter(s => s.age <= kMapOld)), cause = fault && `.\n${fault}`;
   if (state.pose_age === null) return { word: "Waiting", sentence: state.tiles > 0 ? "" : `The bus is alive. No pose has come from the mapper yet${cause}`, mood: "", grey: 0 };
   if (state.pose_age > kOld)
     return { word: "Stale", mood: "bad", grey: 1, sentence: `No pose for ${seconds(state.pose_age)}: this is how it was${cause}` };

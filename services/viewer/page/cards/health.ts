@@ -25,8 +25,9 @@ export function showServices(services: Service[], age: number, log: Playback | n
   verdict.className = isOver ? "" : faults || silent ? "bad" : "good";
   const heard = seen.filter(s => s.age <= kSilent), missed = seen.find(s => s.age > kSilent);
   showTotal(heard);
-  const words = isOver ? "" : firstFault(heard) || (missed ? `${missed.name}: silent for ${seconds(missed.age)}` : "");
-  showAlarm(words, seen.filter(s => s.faults.length > 0 || s.age > kSilent).length - 1);
+  const words = isOver ? "" : firstFault(heard) ||
+    (!missed ? "" : heard.length > 0 ? `${missed.name}: silent for ${seconds(missed.age)}` : "no process is heard");
+  showAlarm(words, heard.length > 0 ? seen.filter(s => s.faults.length > 0 || s.age > kSilent).length - 1 : 0);
   return words;
 }
 

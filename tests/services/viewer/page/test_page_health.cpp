@@ -78,6 +78,7 @@ TEST_F(PageHealth, InALiveRunAProcessThatIsNotHeardIsSilent) {
   end_a_drive();
   EXPECT_TRUE(browser->comes_to("document.querySelectorAll('#services .silent').length === 2"));
   EXPECT_TRUE(shows("#verdict", "1 with faults")) << "which stays an alarm";
+  EXPECT_TRUE(shows("#alarm", "no process is heard")) << "it is not that one of them ended";
 }
 
 TEST_F(PageHealth, AFaultIsInWordsInTheBarThoughThePanelIsAway) {

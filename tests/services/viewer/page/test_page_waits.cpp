@@ -32,7 +32,7 @@ TEST_F(PageWaits, AndSaysInWordsForWhat) {
   status.service = "lidar";
   status.fault = {"no packets for 4.0 s on port 6699"};
   send("SERVICE_STATUS", status);
-  EXPECT_TRUE(shows("#curtain", "yet. lidar: no packets for 4.0 s on port 6699", 5)) << "why: " << text_of("#curtain");
+  EXPECT_TRUE(shows("#curtain", "lidar: no packets for 4.0 s on port 6699", 5)) << "why: " << text_of("#curtain");
   bus_is_alive = true;
   EXPECT_TRUE(shows("#curtain", "No map has come from semantic_map yet")) << text_of("body");
   put(tile_of(0, 0, semantic_tile_t::ROAD));
