@@ -15,7 +15,7 @@ export function wireControls(to: Controls, map: HTMLElement, walk: (right: numbe
   const buttons: Record<string, () => void> = { follow: to.follow, north: to.north, tilt: to.tilt, measure: to.measure, save: to.save, aside: to.panel, in: nearer, out: farther, whole: to.whole };
   for (const [id, press] of Object.entries(buttons)) byId(id).onclick = press;
   const playOrPause = () => {
-    if (document.activeElement?.tagName !== "BUTTON" && !byId("timeline").hidden) byId("pause").click();
+    if (!document.activeElement?.matches("button, summary, [type=checkbox]") && !byId("timeline").hidden) byId("pause").click();
   };
   listenToKeys(map, { f: to.follow, n: to.north, t: to.tilt, m: to.measure, p: to.save, l: to.live, h: to.panel, c: to.cloud,
     "+": nearer, "=": nearer, "-": farther, "0": to.whole, " ": playOrPause, Escape: to.escape }, walk, enter);

@@ -4,9 +4,14 @@ const kArrows: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRig
 /// `walk`: moves a step right and down on the screen; with Shift it turns and tilts instead.
 export function listenToKeys(map: HTMLElement, keys: Record<string, () => void>,
   walk: (right: number, down: number, leans: boolean) => void, ask: () => void): void {
+  // After a click the keyboard is the map's: otherwise Space and the arrows would go to what was clicked. Keys click with detail 0.
+  addEventListener("click", ({ detail, target }) => {
+    if (detail && (target as Element).id !== "position") setTimeout(() => map.focus({ preventScroll: true }));
+  });
   addEventListener("keydown", event => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    keys[event.key]?.();
+    const name = event.key.length > 1 ? event.key : event.key.toLowerCase();  // Caps Lock
+    if (!event.repeat || "+=-".includes(name)) keys[name]?.();                // a held key switches once
     // The arrow keys belong to a focused slider, Enter to a focused button.
     if (document.activeElement !== map && document.activeElement !== document.body) return;
     const arrow = kArrows[event.key];

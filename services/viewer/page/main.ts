@@ -1,7 +1,7 @@
 // The page: the connection updates the world, and the camera shows it.
 import { InitialLoad } from "./initial_load";
 import { showTurn } from "./cards/compass";
-import { showServices, Verdict } from "./cards/health";
+import { showServices } from "./cards/health";
 import { Inspector } from "./cards/inspector";
 import { Panel, showSummary } from "./cards/panel";
 import { Ruler } from "./cards/ruler";
@@ -27,6 +27,7 @@ import { TiltedMarks } from "./drawing/tilted/tilted_marks";
 import { Tilting } from "./drawing/tilted/tilting";
 import { byId, fixed, seconds } from "./format";
 import { listen } from "./gestures";
+import { News } from "./news";
 import { Rewind } from "./past/rewind";
 import { Settings } from "./settings";
 import { isLocalized, judge, judgePast, kElsewhere, kNoCloud, kNoLink } from "./staleness";
@@ -52,7 +53,7 @@ let isWell = true;  // of the live data, whatever is shown
 let epoch = 0;       // of the shown map
 let range: [number, number] = [-1, 3];
 let grey = 0, lives = false;  // lives: the vehicle, on a grey map
-let verdict: Verdict = { faults: 0, silent: 0, all: 0 };
+const news = new News();
 let wanted = false;
 
 function redraw(): void {
@@ -125,7 +126,7 @@ function onNews(): void {
   const wasOpen = !byId("cell").hidden;
   inspector.show(settings.look, settings.mode);
   if (wasOpen && byId("cell").hidden) inspector.pick(null);  // the map of the cell is gone
-  draws ? redraw() : connection.drawn();
+  draws && news.isOther(world) ? redraw() : connection.drawn();
 }
 
 /// Called when another map is shown: what was pointed out in the one before is nowhere in it.
@@ -174,10 +175,10 @@ function look(): void {
   settings.write(camera);
   const latency = grey || isPast || state?.playback?.ended ? null : state?.latency[0] ?? null;
   byId("latency").textContent = latency === null ? "" : `${seconds(latency)} from sensor to screen`;
-  verdict = showServices(world.services, isPast ? 0 : connection.age() / 1000, state?.playback ?? null);
+  const alarm = showServices(world.services, isPast ? 0 : connection.age() / 1000, state?.playback ?? null);
   if (state) panel.showState(state, motion.speed);
   if (showSource(state)) resize();
-  showSummary(state?.source === "map", motion.speed, latency, verdict.faults, verdict.silent);
+  showSummary(state?.source === "map", motion.speed, latency, alarm);
   cloudLayer.trim(camera);
   const fresh = settings.mode === "height" || settings.layers.cloud ? heightRange(world, camera) : range;
   if (Math.abs(fresh[0] - range[0]) + Math.abs(fresh[1] - range[1]) > 0.1) {
@@ -276,8 +277,10 @@ function onPicked(): void {
 /// Called when the measured places changed. Both must be visible beside the card, which grows with the second one.
 function onMeasured(): void {
   ruler.show();
+  inspector.covered = ruler.isOn;
+  inspector.show(settings.look, settings.mode);
+  resize();
   if (!settings.follow && ruler.places.length === 2) for (const { x, y } of ruler.places) uncover(camera, x, y, "ruler");
-  redraw();
 }
 
 function savePicture(): void {
@@ -304,6 +307,10 @@ function wire(): void {
     cloud: () => { settings.layers.cloud = !settings.layers.cloud; settingsChanged(); },
     escape: () => panel.isOpen ? panel.open(false) : ruler.isOn ? ruler.toggle() : inspector.pick(null),
   }, map, walk, () => touched(...camera.middle));
+  byId("alarm").onclick = () => {
+    if (!settings.panel) togglePanel();
+    byId("health").scrollIntoView();
+  };
   new ResizeObserver(resize).observe(map);  // the window was resized, or the phone was turned
   addEventListener("resize", resize);       // the window moved to a screen of another pixel density
   addEventListener("hashchange", () => {    // a link was pasted, or the browser's Back was used

@@ -15,6 +15,18 @@ export interface Judgement {
   lives?: boolean;   // the vehicle and its LiDAR are current although the map is grey
 }
 
+/// In the order in which data go through them: the fault of the first is the cause of the later ones.
+const kWay = ["lidar", "imu", "encoder", "ekf", "mapper", "tensor_voting", "semantic_map"];
+
+/// In words; empty: there is none.
+export function firstFault(services: Service[]): string {
+  const rank = ({ name }: Service) => (kWay.findIndex(part => name.startsWith(part)) + kWay.length + 1) % (kWay.length + 1);
+  const first = services.filter(s => s.faults.length > 0).sort((a, b) => rank(a) - rank(b))[0];
+  return first ? `${first.name}: ${first.faults[0]}` : "";
+}
+
+export function isViewer({ name }: Service): boolean { return name.startsWith("viewer"); }
+
 /// What the page knows of its connection. `age`: s since the last frame; `refusal`: why the viewer refuses the page.
 export interface Link { isOpen: boolean; age: number; refusal: string }
 
@@ -36,14 +48,15 @@ export function judge(state: State | null, services: Service[], { isOpen, age, r
   if (state.bus_age === null) return { word: "Waiting", sentence: "Nothing has been heard on the bus yet: are the services running?", mood: "", grey: 0 };
   if (state.bus_age > kOld)
     return { word: "Silent", mood: "bad", grey: 1, sentence: `The bus has been silent for ${seconds(state.bus_age)}: this is how it was` };
-  if (state.pose_age === null) return { word: "Waiting", sentence: state.tiles > 0 ? "" : "The bus is alive. No pose has come from the mapper yet", mood: "", grey: 0 };
+  const fault = firstFault(services.filter(s => s.age <= kMapOld)), cause = fault && `.\n${fault}`;
+  if (state.pose_age === null) return { word: "Waiting", sentence: state.tiles > 0 ? "" : `The bus is alive. No pose has come from the mapper yet${cause}`, mood: "", grey: 0 };
   if (state.pose_age > kOld)
-    return { word: "Stale", mood: "bad", grey: 1, sentence: `No pose for ${seconds(state.pose_age)}: this is how it was` };
+    return { word: "Stale", mood: "bad", grey: 1, sentence: `No pose for ${seconds(state.pose_age)}: this is how it was${cause}` };
   const silence = mapSilence(state, services);
   if (silence > kMapOld)
     return { word: "Map stale", mood: "bad", grey: 1, lives: !state.pose?.lost, sentence: `semantic_map has been silent for ${seconds(silence)}: the map is old` };
   if (state.pose?.lost) return { word: "Lost", mood: "bad", grey: 0, sentence: "The mapper has lost the vehicle: its pose is a guess" };
-  const sentence = newMap(state, services) || (state.tiles > 0 ? "" : "Poses come. No map has come from semantic_map yet");
+  const sentence = newMap(state, services) || (state.tiles > 0 ? "" : `Poses come. No map has come from semantic_map yet${cause}`);
   return { word: state.source === "replay" ? "Replay" : "Live", sentence, mood: "good", grey: 0 };
 }
 

@@ -1,5 +1,6 @@
 // The processes and their faults.
-import { byId, bytes, make, seconds } from "../format";
+import { byId, bytes, make, seconds, setText } from "../format";
+import { firstFault, isViewer } from "../staleness";
 import { Playback, Service } from "../world";
 import { LossHistory } from "./loss_history";
 
@@ -9,11 +10,10 @@ const kUnits: Record<string, string> = { dropped: "dropped", refused: "refused",
 
 const history = new LossHistory();
 
-export interface Verdict { faults: number; silent: number; all: number }
-
 /// `log`: of a log that is played. While it stands nobody can be heard, so silence is counted from the last one that was.
 /// At its end the states are those of processes that were being ended, one after the other: they are no alarms.
-export function showServices(services: Service[], age: number, log: Playback | null): Verdict {
+/// Returns what is wrong in words: the first fault along the way of the data, or who is silent; empty: all is well.
+export function showServices(services: Service[], age: number, log: Playback | null): string {
   history.note(services);
   const stands = !!log && (log.paused || log.ended), isOver = !!log?.ended;
   const from = stands ? -Math.min(...services.map(s => s.age)) : age;
@@ -21,10 +21,22 @@ export function showServices(services: Service[], age: number, log: Playback | n
   const faults = isOver ? 0 : seen.filter(s => s.faults.length > 0).length, silent = isOver ? 0 : seen.filter(s => s.age > kSilent).length;
   byId("services").replaceChildren(...(seen.length ? seen.map(s => row(s, isOver)) : [make("li", "None has been heard.", "none")]));
   const verdict = byId("verdict");
-  verdict.textContent = seen.length === 0 ? "" : isOver ? "at the end of the log" : faults ? `${faults} with faults` : silent ? `${silent} silent` : "all well";
+  verdict.textContent = seen.every(isViewer) ? "" : isOver ? "at the end of the log" : faults ? `${faults} with faults` : silent ? `${silent} silent` : "all well";
   verdict.className = isOver ? "" : faults || silent ? "bad" : "good";
-  showTotal(seen.filter(s => s.age <= kSilent));
-  return { faults, silent, all: seen.length };
+  const heard = seen.filter(s => s.age <= kSilent), missed = seen.find(s => s.age > kSilent);
+  showTotal(heard);
+  const words = isOver ? "" : firstFault(heard) ||
+    (!missed ? "" : heard.length > 0 ? `${missed.name}: silent for ${seconds(missed.age)}` : "no process is heard");
+  showAlarm(words, heard.length > 0 ? seen.filter(s => s.faults.length > 0 || s.age > kSilent).length - 1 : 0);
+  return words;
+}
+
+/// In the bar, which is seen whatever the panel shows. `others`: how many more there are.
+function showAlarm(words: string, others: number): void {
+  const alarm = byId("alarm");
+  alarm.hidden = !words;
+  setText(alarm, words + (others > 0 ? ` (and ${others} more)` : ""));
+  if (words) alarm.title = alarm.textContent!;
 }
 
 /// Of the processes that are heard.

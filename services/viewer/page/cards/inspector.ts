@@ -7,6 +7,7 @@ import { CurbPlace, curbAt, CutCell, cutOf, drawCut, lengthOf } from "./cross_se
 
 export class Inspector {
   picked: [number, number] | null = null;  // m in map
+  covered = false;  // the card is hidden, as the ruler's is in its place
   private card = byId("cell");
   // Frames arrive ten times a second: an element that is clicked, focused or read aloud must not be replaced.
   private key = make("i");
@@ -28,8 +29,8 @@ export class Inspector {
 
   show(theme: Theme, mode: Mode): void {
     const hit = this.picked && cellAt(this.world, ...this.picked);
-    this.card.hidden = !hit;
-    if (!hit || !this.picked) return;
+    this.card.hidden = !hit || this.covered;
+    if (!hit || !this.picked || this.covered) return;
     const { tile, index } = hit, kind = tile.classes[index], height = heightOf(tile, index);
     const colours = classColours(theme, mode), colour = colours[kind];
     this.key.style.setProperty("--key", colour ? css(colour) : "transparent");

@@ -17,6 +17,7 @@ const kKeys: [string, string][] = [
   ["F", "follow the vehicle"], ["N", "north or heading up"], ["T", "tilt"], ["M", "measure"], ["C", "the dense cloud"], ["P", "save a picture"], ["L", "back to what is live"],
   ["Space", "pause, go on"], ["0", "the whole map"], ["H", "hide or show the panel"], ["+ −", "zoom"], ["Arrows", "move; with Shift tilt and turn"], ["Enter", "what is in the middle"], ["Esc", "close"],
   ["Drag", "move; right button: tilt"], ["Two fingers", "zoom; side by side upwards: tilt"], ["Long press", "what is there"]];
+const kAges = ["newest", "4 s", "24 s", "2 min", "10 min"];  // 601^share - 1 s, as in kPicture's shader
 const kDraw = 24;  // pixels a finger moves before it pulls the sheet
 const kThemes: ["auto" | Theme, string][] = [["auto", "Auto"], ["light", "Light"], ["dark", "Dark"]];
 
@@ -87,7 +88,7 @@ export class Panel {
     list(byId("facts"), [
       ["Speed", speed === null ? "–" : `${speed.toFixed(1)} m/s`],
       ["Position", `${[pose.x, pose.y, pose.z].map(m => fixed(m, 2)).join(", ")} m`],
-      ["Heading", `${degrees(pose.yaw)}°`],
+      ["Yaw", `${degrees(pose.yaw)}°`],
       ["Uncertainty", uncertainty(pose)],
       ["Registration", registration(pose), pose.lost || !pose.registered],
       ["Residual, inliers", `${metres(pose.residual)}, ${Math.round(100 * pose.inliers)} %`],
@@ -182,13 +183,14 @@ function lineKey(theme: Theme, layer: keyof Layers, title: string, dashes: strin
 
 function scale(mode: Mode, [low, high]: [number, number]): HTMLElement {
   return bar(ramp(mode), mode === "height" ? [`${fixed(low, 1)} m`, `${fixed(high, 1)} m`] :
-    mode === "cost" ? ["free", "lethal"] : mode === "age" ? ["now", "10 min ago"] : ["none", "full"]);
+    mode === "cost" ? ["free", "lethal"] : mode === "age" ? kAges : ["none", "full"]);
 }
 
-function bar(colours: Rgb[], [from, to]: [string, string]): HTMLElement {
+/// `at`: what the ramp stands for, at equal distances along it.
+function bar(colours: Rgb[], at: string[]): HTMLElement {
   const made = make("div", "", "ramp");
   made.style.setProperty("--ramp", colours.map(css).join(","));
-  return make("div", "", "", made, make("div", "", "ends", make("span", from), make("span", to)));
+  return make("div", "", "", made, make("div", "", "ends", ...at.map(text => make("span", text))));
 }
 
 function cloudEnds(by: CloudColour, range: [number, number]): [string, string] {
@@ -197,10 +199,10 @@ function cloudEnds(by: CloudColour, range: [number, number]): [string, string] {
 }
 
 /// The summary line of the folded panel on a phone.
-export function showSummary(isFile: boolean, speed: number | null, latency: number | null, faults: number, silent: number): void {
+export function showSummary(isFile: boolean, speed: number | null, latency: number | null, alarm: string): void {
   const [title, news] = byId("summary").children as unknown as [HTMLElement, HTMLElement];
   setText(title, isFile ? "Layers" : "Layers and health");
   const figures = [speed === null ? "" : `${speed.toFixed(1)} m/s`, latency === null ? "" : `${seconds(latency)} delay`];
-  setText(news, faults ? `${faults} with faults` : silent ? `${silent} silent` : figures.filter(Boolean).join(" · "));
-  news.className = faults || silent ? "bad" : "";
+  setText(news, alarm || figures.filter(Boolean).join(" · "));
+  news.className = alarm ? "bad" : "";
 }

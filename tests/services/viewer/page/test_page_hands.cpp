@@ -183,6 +183,43 @@ TEST_F(PageHands, EachControlHasANameAndGroupsOfChoicesGoByArrows) {
   EXPECT_EQ(camera("x"), 0) << "the map stays";
 }
 
+TEST_F(PageHands, KeysAreTheSameWithCapsLockAndAHeldOneSwitchesOnce) {
+  put_a_road();
+  open(kView);
+  browser->press('M');
+  EXPECT_TRUE(browser->comes_to("curbstone.ruler.isOn", 2));
+  browser->evaluate("dispatchEvent(new KeyboardEvent('keydown', { key: 'm', repeat: true }))");
+  EXPECT_EQ(browser->evaluate("curbstone.ruler.isOn"), true);
+}
+
+TEST_F(PageHands, AfterAClickTheKeyboardIsTheMaps) {
+  put_a_road();
+  open(kView);
+  ASSERT_TRUE(browser->comes_to("document.getElementById('timeline').checkVisibility()"));
+  const auto click = [&](const std::string& selector) {
+    const auto place =
+        browser->evaluate("(() => { const b = document.querySelector('" + selector +
+                          "').getBoundingClientRect(); return [(b.left + b.right) / 2, (b.top + b.bottom) / 2]; })()");
+    browser->click(place[0], place[1]);
+    browser->pass(0.1);
+  };
+  click("#layers [data-layer=path]");
+  ASSERT_EQ(browser->evaluate("curbstone.settings.layers.path"), false);
+  browser->press(' ');
+  EXPECT_EQ(browser->evaluate("curbstone.settings.layers.path"), false) << "Space is not for what was clicked";
+  EXPECT_TRUE(browser->comes_to("curbstone.rewind.isPast", 3)) << "but pauses";
+  click("#colours [data-title=Cost]");
+  browser->press("ArrowRight");
+  EXPECT_EQ(browser->evaluate("curbstone.settings.mode"), "cost");
+  EXPECT_NEAR(camera("x"), 2, 1e-6);
+  // Without the mouse what is focused has its keys.
+  browser->evaluate("document.querySelector('#layers [data-layer=path] input').focus()");
+  browser->evaluate("curbstone.rewind.goLive()");
+  browser->press(' ');
+  EXPECT_TRUE(browser->comes_to("curbstone.settings.layers.path", 3));
+  EXPECT_EQ(browser->evaluate("curbstone.rewind.isPast"), false);
+}
+
 TEST_F(PageHands, ACardIsClosedByTheMouseWhileNewsCome) {
   put_a_road();
   speed = 1;  // the card's ages and distances are other with each frame

@@ -78,6 +78,49 @@ TEST_F(PageHealth, InALiveRunAProcessThatIsNotHeardIsSilent) {
   end_a_drive();
   EXPECT_TRUE(browser->comes_to("document.querySelectorAll('#services .silent').length === 2"));
   EXPECT_TRUE(shows("#verdict", "1 with faults")) << "which stays an alarm";
+  EXPECT_TRUE(shows("#alarm", "no process is heard")) << "it is not that one of them ended";
+}
+
+TEST_F(PageHealth, AFaultIsInWordsInTheBarThoughThePanelIsAway) {
+  put_roads(-1, 1);
+  open("theme=light&panel=0");
+  const auto come_to_show = [&](const std::string& selector, const std::string& words) {
+    for (int second = 0; second < 10; ++second) {
+      send_status("ekf", "IMU: silent for 2 s");
+      send_status("imu", "no data for 2 s");  // the cause
+      send_status("mapper", "");
+      if (shows(selector, words, 1)) return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(come_to_show("#alarm", "imu: no data for 2 s (and 1 more)")) << text_of("#bar");
+  keep_picture("alarm");
+  browser->evaluate("document.getElementById('alarm').click()");
+  EXPECT_TRUE(browser->comes_to("document.querySelector('#services').checkVisibility()", 5));
+  browser->resize(390, 844, true);
+  EXPECT_TRUE(come_to_show("#summary", "imu: no data for 2 s")) << "a phone's is on the handle of the sheet";
+  send_playback(false, true);
+  EXPECT_TRUE(browser->comes_to("document.getElementById('alarm').hidden"));
+}
+
+TEST_F(PageHealth, NamesAreWholeHoweverWideTheirFigures) {
+  put_roads(-1, 1);
+  open("theme=light");
+  for (const std::int64_t second : {1, 2})
+    for (const char* name : {"tensor_voting:1", "semantic_map"}) send_status(name, "", 900'000 * second, 160'000'000);
+  ASSERT_TRUE(shows("#total", "All 2"));
+  EXPECT_EQ(browser->evaluate(
+                "[...document.querySelectorAll('#services b')].filter(b => b.scrollWidth > b.clientWidth).map(b => "
+                "b.innerText)"),
+            nlohmann::json::array());
+}
+
+TEST_F(PageHealth, AViewerAloneIsNotAllWell) {
+  bus_is_alive = false;
+  browser->open(address);
+  send_status("viewer", "");
+  ASSERT_TRUE(shows("#services", "viewer"));
+  EXPECT_THAT(text_of("#verdict"), Not(HasSubstr("all well")));
 }
 
 TEST_F(PageHealth, SumsUpTheWholeStack) {

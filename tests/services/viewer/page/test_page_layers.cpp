@@ -73,6 +73,20 @@ TEST_F(PageLayers, Ages) {
   put_tile(-1, -1, {.older_by = -300'000'000});  // newer than any pose of this test
   put_tile(0, -1, {.older_by = 700'000'000});
   expect_colours("age", {255, 214, 102}, {66, 58, 108});
+  // The ramp goes by the logarithm: the age in its middle is not the half of that at its end.
+  const auto middle = browser->evaluate(R"((() => {
+    const bar = document.querySelector("#legend .ramp").getBoundingClientRect();
+    const spans = [...document.querySelectorAll("#legend .ends span")].filter(span => {
+      const range = document.createRange();
+      range.selectNodeContents(span);
+      const box = range.getBoundingClientRect();
+      return Math.abs((box.left + box.right) / 2 - (bar.left + bar.right) / 2) < 3;
+    });
+    return spans.map(span => span.innerText);
+  })())");
+  EXPECT_EQ(middle, nlohmann::json::array({"24 s"})) << text_of("#legend");
+  const auto ages = browser->evaluate("[0, 0.25, 0.5, 0.75, 1].map(share => Math.round(601 ** share - 1))");
+  EXPECT_EQ(ages, nlohmann::json::array({0, 4, 24, 120, 600})) << "as kPicture's shader has it";
 }
 
 TEST_F(PageLayers, CurbsThatWereSeenLoweredOnesAndInferredOnes) {

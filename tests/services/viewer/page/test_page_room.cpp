@@ -83,6 +83,21 @@ TEST_F(PageRoom, TheToolsOfADesktopHideNoPartOfAWideMap) {
   }
 }
 
+TEST_F(PageRoom, WhileMeasuringTheCardOfACurbIsAway) {
+  put_a_square();
+  send_curbs({curb_along({-4, 4}, 0, 0.1F)});
+  open("at=0,0,40,0&follow=0&theme=light");
+  browser->resize(1280, 800, false);
+  const Spot spot = spot_of(1, 0);
+  browser->click(spot.x, spot.y);
+  ASSERT_TRUE(shows("#cell", "Step"));
+  browser->press('m');
+  ASSERT_TRUE(shows("#ruler", "Click a place"));
+  EXPECT_EQ(browser->evaluate("document.getElementById('cell').checkVisibility()"), false) << "they have one place";
+  browser->press('m');
+  EXPECT_TRUE(shows("#cell", "Step", 3)) << "what was selected still is";
+}
+
 TEST_F(PageRoom, WhatIsMeasuredIsSeenBesideItsCard) {
   put_a_square();
   open("at=0,0,20,0&follow=0&theme=light");

@@ -25,6 +25,14 @@ TEST_F(PageWaits, AndSaysInWordsForWhat) {
   send("SERVICE_STATUS", status);
   EXPECT_TRUE(shows("#curtain", "No pose has come from the mapper yet")) << text_of("body");
   EXPECT_EQ(browser->evaluate("document.getElementById('timeline').hidden"), true) << "nothing to look back to";
+  status.service = "mapper";
+  status.fault = {"no LIDAR_POINTS"};
+  status.num_faults = 1;
+  send("SERVICE_STATUS", status);
+  status.service = "lidar";
+  status.fault = {"no packets for 4.0 s on port 6699"};
+  send("SERVICE_STATUS", status);
+  EXPECT_TRUE(shows("#curtain", "lidar: no packets for 4.0 s on port 6699", 5)) << "why: " << text_of("#curtain");
   bus_is_alive = true;
   EXPECT_TRUE(shows("#curtain", "No map has come from semantic_map yet")) << text_of("body");
   put(tile_of(0, 0, semantic_tile_t::ROAD));
