@@ -137,6 +137,14 @@ void describe_leap(const filter::Filter& filter, std::vector<std::string>& fault
       leapt->rate * 180 / std::numbers::pi, ago));
 }
 
+void describe_vertical_force(const filter::VerticalForce& vertical, std::vector<std::string>& faults) {
+  if (!vertical.wrong()) return;
+  faults.push_back(fmt::format(
+      "IMU: its accelerometer shows {:.1f} m/s^2 {} that the vehicle does not rise or fall with, and its vertical part "
+      "is not used: has its bias leapt, or does it overflow or clip? Mount it softer; switch it off and on",
+      std::abs(vertical.excess()), vertical.excess() > 0 ? "upwards" : "downwards"));
+}
+
 void describe_mounting(const mounting::MountingWatch& mounting, const VehicleConfig& vehicle,
                        std::vector<std::string>& faults) {
   for (const mounting::MountingWatch::Verdict verdict : mounting.verdicts())

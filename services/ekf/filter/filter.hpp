@@ -19,6 +19,7 @@
 #include "services/ekf/filter/lost_heading.hpp"
 #include "services/ekf/filter/odom_smoother.hpp"
 #include "services/ekf/filter/pose_history.hpp"
+#include "services/ekf/filter/vertical_force.hpp"
 #include "services/ekf/inputs/imu_noise.hpp"
 #include "services/ekf/inputs/map_increment.hpp"
 #include "services/ekf/inputs/wheel_odometer.hpp"
@@ -80,6 +81,8 @@ class Filter {
   };
   /// The latest leap of the gyro's bias about the vertical.
   [[nodiscard]] const std::optional<LeaptGyro>& gyro_leapt() const { return gyro_leapt_; }
+  /// Whether the vertical part of the specific force is used.
+  [[nodiscard]] const VerticalForce& vertical_force() const { return vertical_force_; }
   /// Measured noise of the IMU.
   [[nodiscard]] const inputs::ImuNoise& imu_noise() const { return imu_noise_; }
   [[nodiscard]] const model::Belief& belief() const { return belief_; }
@@ -88,6 +91,7 @@ class Filter {
  private:
   using WheelStep = inputs::WheelOdometer::Step;
 
+  [[nodiscard]] base::ImuSample usable_of(base::ImuSample measured);
   void update_noise(const base::ImuSample& sample);
   void start(const base::ImuSample& sample);
   void start(const base::WheelSample& sample);
@@ -161,6 +165,7 @@ class Filter {
   bool started_ = false;
   bool standing_ = false;
   LostAxes axes_;
+  VerticalForce vertical_force_;
   LostHeading heading_;
   detection::StandingMotion standing_motion_;
   std::optional<Launch> launch_;
