@@ -328,4 +328,16 @@ void Filter::emit(const model::Inertial& imu, double dt, bool no_imu, std::vecto
   out.push_back(estimate);
 }
 
+void Filter::apply(const model::Observation& z) {
+  const Pose before = model::base_pose(belief_.mean, geometry_);
+  heading_.correct(belief_, z, model::guarded_gain(belief_, z));
+  smoother_.corrected(before, model::base_pose(belief_.mean, geometry_));
+}
+
+void Filter::reset_motion(double speed_sigma) {
+  counters_.add("reset.doubt");
+  cancel_launch();
+  inflate_motion_covariance(belief_, speed_sigma, config_->start);
+}
+
 }  // namespace curbstone::ekf::filter

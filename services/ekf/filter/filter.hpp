@@ -13,6 +13,7 @@
 #include "services/ekf/detection/standing_motion.hpp"
 #include "services/ekf/detection/start_up.hpp"
 #include "services/ekf/detection/still_detector.hpp"
+#include "services/ekf/detection/tilting_gyro.hpp"
 #include "services/ekf/detection/turn_confirmation.hpp"
 #include "services/ekf/filter/launch.hpp"
 #include "services/ekf/filter/lost_axes.hpp"
@@ -78,8 +79,9 @@ class Filter {
   struct LeaptGyro {
     std::int64_t utime = 0;  ///< us, time of detection
     double rate = 0.0;       ///< rad/s
+    int axis = 2;            ///< of base_link: ahead, left, up
   };
-  /// The latest leap of the gyro's bias about the vertical.
+  /// The latest leap of the gyro's bias.
   [[nodiscard]] const std::optional<LeaptGyro>& gyro_leapt() const { return gyro_leapt_; }
   /// Whether the vertical part of the specific force is used.
   [[nodiscard]] const VerticalForce& vertical_force() const { return vertical_force_; }
@@ -117,6 +119,7 @@ class Filter {
   void correct_driving(const inputs::WheelInterval& interval);
   void compare_yaw_rates(const inputs::WheelInterval& interval);
   void correct_gyro_leap(const detection::GyroLeap::Leap& leap);
+  void compare_tilt(const inputs::WheelInterval& interval);
   void restart_comparisons();
   void reset_yaw_rate_comparison();
   void check_launch(const inputs::WheelInterval& interval);
@@ -155,6 +158,7 @@ class Filter {
   wheel_faults::WheelWatch watch_;
   detection::TurnConfirmation turn_;
   detection::GyroLeap gyro_leap_;
+  detection::TiltingGyro tilting_gyro_;
   std::optional<LeaptGyro> gyro_leapt_;
   detection::RefusalTimer wheels_refused_;
   detection::RefusalTimer constraint_refused_;
