@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -131,10 +132,19 @@ void describe_leap(const filter::Filter& filter, std::vector<std::string>& fault
   const auto& leapt = filter.gyro_leapt();
   const double ago = leapt ? base::seconds_between(leapt->utime, filter.belief().utime) : kMention;
   if (ago >= kMention) return;
+  constexpr std::array kAxes = {"ahead", "left", "the vertical"};
   faults.push_back(fmt::format(
-      "IMU: the gyro's bias about the vertical leapt by {:.1f} deg/s, {:.0f} s ago, and is taken out: is the "
-      "IMU loose, or its supply disturbed?",
-      leapt->rate * 180 / std::numbers::pi, ago));
+      "IMU: the gyro's bias about {} leapt by {:.1f} deg/s, {:.0f} s ago, and is taken out: is the IMU loose, or its "
+      "supply disturbed?",
+      kAxes[static_cast<std::size_t>(leapt->axis)], leapt->rate * 180 / std::numbers::pi, ago));
+}
+
+void describe_vertical_force(const filter::VerticalForce& vertical, std::vector<std::string>& faults) {
+  if (!vertical.wrong()) return;
+  faults.push_back(fmt::format(
+      "IMU: its accelerometer shows {:.1f} m/s^2 {} that the vehicle does not rise or fall with, and its vertical part "
+      "is not used: has its bias leapt, or does it overflow or clip? Mount it softer; switch it off and on",
+      std::abs(vertical.excess()), vertical.excess() > 0 ? "upwards" : "downwards"));
 }
 
 void describe_mounting(const mounting::MountingWatch& mounting, const VehicleConfig& vehicle,

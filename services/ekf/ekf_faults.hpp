@@ -20,6 +20,7 @@ void describe_axes(const filter::LostAxes& axes, std::vector<std::string>& fault
 void describe_noise(const inputs::ShakenImu& imu, const base::NoiseConfig& configured,
                     std::vector<std::string>& faults);
 void describe_leap(const filter::Filter& filter, std::vector<std::string>& faults);
+void describe_vertical_force(const filter::VerticalForce& vertical, std::vector<std::string>& faults);
 void describe_mounting(const mounting::MountingWatch& mounting, const VehicleConfig& vehicle,
                        std::vector<std::string>& faults);
 void describe_imu_outliers(const inputs::ImuOutlierFilter& samples, std::vector<std::string>& faults);

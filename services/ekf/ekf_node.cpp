@@ -171,7 +171,8 @@ void EkfNode::check_mounting(const inputs::Sequencer::Sample& sample) {
   const auto* wheels = std::get_if<base::WheelSample>(&sample);
   if (wheels != nullptr && !one_wheel_is_wrong) mounting_.add(*wheels);
   const auto* imu = std::get_if<base::ImuSample>(&sample);
-  if (imu != nullptr && !filter_.filter().axes().any()) mounting_.add(*imu);
+  const bool whole = !filter_.filter().axes().any() && !filter_.filter().vertical_force().replaced();
+  if (imu != nullptr && whole) mounting_.add(*imu);
   const auto now = wrong();
   constexpr std::array kNames = {"faults.mounting.up", "faults.mounting.turn", "faults.mounting.forward",
                                  "faults.mounting.turn_scale", "faults.mounting.hand"};
@@ -261,6 +262,7 @@ NodeReport EkfNode::report() const {
                                 : "no IMU: odometry coasts on the wheels");
     if (!mounting_.gyro_is_wrong()) describe_axes(filter_.filter().axes(), faults);
     describe_leap(filter_.filter(), faults);
+    describe_vertical_force(filter_.filter().vertical_force(), faults);
     describe_noise(shaken_imu_, config_.noise, faults);
     describe_wheels(filter_.filter().wheel_watch(), faults);
     if (last_->no_wheels) faults.emplace_back("no wheels: odometry coasts on the IMU, and drifts");

@@ -48,8 +48,7 @@ model::TimedInertial Filter::in_body(const base::ImuSample& sample) const {
 }
 
 void Filter::add(const base::ImuSample& measured, std::vector<model::Estimate>& out) {
-  update_noise(measured);
-  const base::ImuSample sample = axes_.add(measured, still_.wheels_turn() && !wheels_missing(measured.utime));
+  const base::ImuSample sample = usable_of(measured);
   if (!started_) {
     start(sample);
     if (!started_) return;
@@ -82,20 +81,6 @@ void Filter::add(const base::ImuSample& measured, std::vector<model::Estimate>& 
   update_level();
   emit(next.imu, dt, false, out);
   if (pending_increment_ && pending_increment_->utime <= sample.utime) correct_with_map();
-}
-
-/// Reduces the weight of an IMU that is noisier than configured wherever it is compared with the wheels.
-void Filter::update_noise(const base::ImuSample& sample) {
-  imu_noise_.add(sample);
-  noise_ = imu_noise_.applied_to(config_->noise);
-  excess_ = imu_noise_.beyond(config_->noise);
-  const double gyro = excess_.gyro * excess_.per_sample;  // 1 sigma of a sample
-  const double accelerometer = excess_.accelerometer * excess_.per_sample;
-  mechanisation_.set_noise(noise_);
-  if (launch_) launch_->set_noise(noise_);
-  start_up_.set_noise(noise_, gyro, accelerometer);
-  still_.set_noise(gyro, accelerometer);
-  slip_.set_noise(excess_.gyro, excess_.accelerometer);
 }
 
 void Filter::add(const base::WheelSample& sample, std::vector<model::Estimate>& out) {
@@ -341,6 +326,18 @@ void Filter::emit(const model::Inertial& imu, double dt, bool no_imu, std::vecto
   if (launch_) launch_->inflate_covariance(estimate, belief_);
   if (still_.wheels_rest()) inflate_for_suspected_motion(estimate, standing_motion_.suspected_speed());
   out.push_back(estimate);
+}
+
+void Filter::apply(const model::Observation& z) {
+  const Pose before = model::base_pose(belief_.mean, geometry_);
+  heading_.correct(belief_, z, model::guarded_gain(belief_, z));
+  smoother_.corrected(before, model::base_pose(belief_.mean, geometry_));
+}
+
+void Filter::reset_motion(double speed_sigma) {
+  counters_.add("reset.doubt");
+  cancel_launch();
+  inflate_motion_covariance(belief_, speed_sigma, config_->start);
 }
 
 }  // namespace curbstone::ekf::filter

@@ -13,12 +13,14 @@
 #include "services/ekf/detection/standing_motion.hpp"
 #include "services/ekf/detection/start_up.hpp"
 #include "services/ekf/detection/still_detector.hpp"
+#include "services/ekf/detection/tilting_gyro.hpp"
 #include "services/ekf/detection/turn_confirmation.hpp"
 #include "services/ekf/filter/launch.hpp"
 #include "services/ekf/filter/lost_axes.hpp"
 #include "services/ekf/filter/lost_heading.hpp"
 #include "services/ekf/filter/odom_smoother.hpp"
 #include "services/ekf/filter/pose_history.hpp"
+#include "services/ekf/filter/vertical_force.hpp"
 #include "services/ekf/inputs/imu_noise.hpp"
 #include "services/ekf/inputs/map_increment.hpp"
 #include "services/ekf/inputs/wheel_odometer.hpp"
@@ -77,9 +79,12 @@ class Filter {
   struct LeaptGyro {
     std::int64_t utime = 0;  ///< us, time of detection
     double rate = 0.0;       ///< rad/s
+    int axis = 2;            ///< of base_link: ahead, left, up
   };
-  /// The latest leap of the gyro's bias about the vertical.
+  /// The latest leap of the gyro's bias.
   [[nodiscard]] const std::optional<LeaptGyro>& gyro_leapt() const { return gyro_leapt_; }
+  /// Whether the vertical part of the specific force is used.
+  [[nodiscard]] const VerticalForce& vertical_force() const { return vertical_force_; }
   /// Measured noise of the IMU.
   [[nodiscard]] const inputs::ImuNoise& imu_noise() const { return imu_noise_; }
   [[nodiscard]] const model::Belief& belief() const { return belief_; }
@@ -88,6 +93,7 @@ class Filter {
  private:
   using WheelStep = inputs::WheelOdometer::Step;
 
+  [[nodiscard]] base::ImuSample usable_of(base::ImuSample measured);
   void update_noise(const base::ImuSample& sample);
   void start(const base::ImuSample& sample);
   void start(const base::WheelSample& sample);
@@ -113,6 +119,7 @@ class Filter {
   void correct_driving(const inputs::WheelInterval& interval);
   void compare_yaw_rates(const inputs::WheelInterval& interval);
   void correct_gyro_leap(const detection::GyroLeap::Leap& leap);
+  void compare_tilt(const inputs::WheelInterval& interval);
   void restart_comparisons();
   void reset_yaw_rate_comparison();
   void check_launch(const inputs::WheelInterval& interval);
@@ -151,6 +158,7 @@ class Filter {
   wheel_faults::WheelWatch watch_;
   detection::TurnConfirmation turn_;
   detection::GyroLeap gyro_leap_;
+  detection::TiltingGyro tilting_gyro_;
   std::optional<LeaptGyro> gyro_leapt_;
   detection::RefusalTimer wheels_refused_;
   detection::RefusalTimer constraint_refused_;
@@ -161,6 +169,7 @@ class Filter {
   bool started_ = false;
   bool standing_ = false;
   LostAxes axes_;
+  VerticalForce vertical_force_;
   LostHeading heading_;
   detection::StandingMotion standing_motion_;
   std::optional<Launch> launch_;

@@ -65,6 +65,7 @@ void Filter::compare_yaw_rates(const inputs::WheelInterval& interval) {
   const double by_wheels = model::wheel_yaw_rate(belief_.mean, interval.speed, geometry_);
   const double by_gyro = mechanisation_.window().motion().angular_rate.z();
   turn_.add(interval.duration(), by_wheels, by_gyro);
+  compare_tilt(interval);
   if (axes_.any() || watch_.faulty(0) || watch_.faulty(1)) return gyro_leap_.interrupt();
   const auto leap = gyro_leap_.add(interval.duration(), model::wheel_yaw_rate({}, interval.speed, geometry_),
                                    mechanisation_.window().gyro().z(), belief_.mean);
@@ -74,10 +75,35 @@ void Filter::compare_yaw_rates(const inputs::WheelInterval& interval) {
 /// Corrects a leap of the gyro's bias: removes its effect on heading and position since then.
 void Filter::correct_gyro_leap(const detection::GyroLeap::Leap& leap) {
   counters_.add("gyro_leaps");
-  gyro_leapt_ = {belief_.utime, leap.rate};
+  gyro_leapt_ = {belief_.utime, leap.rate, 2};
   const Pose before = model::base_pose(belief_.mean, geometry_);
   belief_ = without_leap(belief_, leap);
   smoother_.corrected(before, model::base_pose(belief_.mean, geometry_));
+  restart_comparisons();
+}
+
+/// Corrects a leap of the gyro's bias about a level axis. A second one soon after the first is what that left.
+void Filter::compare_tilt(const inputs::WheelInterval& interval) {
+  if (axes_.any() || !level_.level()) return tilting_gyro_.interrupt();
+  const model::MotionWindow& window = mechanisation_.window();
+  const Eigen::Vector3d along(trusted_speed(interval), 0, 0);
+  const Eigen::Vector3d turn(0, 0, window.motion().angular_rate.z());
+  const auto leap =
+      tilting_gyro_.add({interval.duration(), along - turn.cross(geometry_.to_base), window.gyro(), window.force()},
+                        belief_.mean, noise_);
+  if (!leap) return;
+  constexpr double kSameLeap = 10.0;  // s
+  const int axis = std::abs(leap->rate.x()) > std::abs(leap->rate.y()) ? 0 : 1;
+  const bool again =
+      gyro_leapt_ && gyro_leapt_->axis == axis && base::seconds_between(gyro_leapt_->utime, belief_.utime) < kSameLeap;
+  if (!again) counters_.add("gyro_leaps");
+  gyro_leapt_ = {belief_.utime, leap->rate[axis] + (again ? gyro_leapt_->rate : 0.0), axis};
+  const Pose before = model::base_pose(belief_.mean, geometry_);
+  belief_ = without_tilt(belief_, *leap);
+  smoother_.corrected(before, model::base_pose(belief_.mean, geometry_));
+  const std::array<bool, 2> faulty = {watch_.faulty(0), watch_.faulty(1)};
+  watch_.pardon();
+  count_fault_changes(faulty);
   restart_comparisons();
 }
 
@@ -93,6 +119,7 @@ void Filter::restart_comparisons() {
 void Filter::reset_yaw_rate_comparison() {
   turn_.interrupt();
   gyro_leap_.interrupt();
+  tilting_gyro_.interrupt();
 }
 
 /// Refuses wheels that a launch disowns until they agree or are found faulty.
@@ -259,12 +286,6 @@ model::Observation Filter::observe_constraint(const model::BodyMotion& motion) {
   return model::stack(lateral, vertical);
 }
 
-void Filter::reset_motion(double speed_sigma) {
-  counters_.add("reset.doubt");
-  cancel_launch();
-  inflate_motion_covariance(belief_, speed_sigma, config_->start);
-}
-
 /// Speed by the trusted wheels, m/s.
 double Filter::trusted_speed(const inputs::WheelInterval& interval) const {
   for (std::size_t wheel = 0; wheel < 2; ++wheel) {
@@ -322,12 +343,6 @@ void Filter::correct_with_map() {
       model::observe_increment(increment.T_begin_end, increment.covariance, believed, dt, mean, geometry_);
   counters_.add(model::inflate_noise_beyond(model::kGate6, belief_, z) ? "map.used" : "gated.map");
   apply(z);
-}
-
-void Filter::apply(const model::Observation& z) {
-  const Pose before = model::base_pose(belief_.mean, geometry_);
-  heading_.correct(belief_, z, model::guarded_gain(belief_, z));
-  smoother_.corrected(before, model::base_pose(belief_.mean, geometry_));
 }
 
 }  // namespace curbstone::ekf::filter

@@ -26,4 +26,21 @@ model::Belief without_leap(model::Belief belief, const detection::GyroLeap::Leap
   return belief;
 }
 
+model::Belief without_tilt(model::Belief belief, const detection::TiltingGyro::Leap& leap) {
+  constexpr double kTilt = 0.015;  // rad, 1 sigma: what shakes the vehicle and the accelerometer within 0.3 s
+  constexpr double kSpeed = 0.2;   // m/s, 1 sigma
+  constexpr double kWay = 0.02;    // of the way, 1 sigma: of wheels that have not been corrected
+  belief.mean = leap.state;
+  const auto widen = [&](int index, double sigma) { belief.covariance(index, index) += sigma * sigma; };
+  for (int axis = 0; axis < 3; ++axis) {
+    widen(model::kVelocity + axis, kSpeed);
+    widen(model::kPosition + axis, kWay * leap.way);
+  }
+  for (int axis = 0; axis < 2; ++axis) {
+    widen(model::kAttitude + axis, kTilt);
+    widen(model::kGyroBias + axis, kTilt / leap.seconds);
+  }
+  return belief;
+}
+
 }  // namespace curbstone::ekf::filter

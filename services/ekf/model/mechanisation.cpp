@@ -46,8 +46,7 @@ void Mechanisation::step(Belief& belief, const Inertial& imu, double dt, bool st
     predict(belief, imu, dt, noise);
   const BodyMotion after = body_motion(belief.mean, imu.angular_rate, geometry_);
   const double gained = after.velocity.x() - before.velocity.x();
-  window_.add(dt, {0.5 * (before.velocity + after.velocity), before.angular_rate}, imu.angular_rate,
-              inertial_speed_ + 0.5 * gained);
+  window_.add(dt, {0.5 * (before.velocity + after.velocity), before.angular_rate}, imu, inertial_speed_ + 0.5 * gained);
   inertial_speed_ += gained;
 }
 
@@ -59,7 +58,9 @@ void Mechanisation::coast(Belief& belief, double dt) {
     belief.covariance.block<3, 3>(kAttitude, kAttitude) += kUsualTurn * kUsualTurn * dt * up * up.transpose();
   }
   const Eigen::Vector3d gyro = belief.mean.gyro_bias + rate;
-  window_.add(dt, body_motion(belief.mean, gyro, geometry_), gyro, inertial_speed_);
+  const Eigen::Vector3d steady =
+      belief.mean.accelerometer_bias + belief.mean.attitude.conjugate() * Eigen::Vector3d(0, 0, kGravity);
+  window_.add(dt, body_motion(belief.mean, gyro, geometry_), {gyro, steady}, inertial_speed_);
 }
 
 }  // namespace curbstone::ekf::model

@@ -8,12 +8,13 @@ namespace curbstone::ekf::model {
 /// the newest value, so that braking does not look like an error.
 class MotionWindow {
  public:
-  /// `motion` and `gyro` (body axes) as means over `dt` seconds; `inertial_speed` see SlipDetector.
-  void add(double dt, const BodyMotion& motion, const Eigen::Vector3d& gyro, double inertial_speed) {
+  /// `motion` and `imu` (body axes) as means over `dt` seconds; `inertial_speed` see SlipDetector.
+  void add(double dt, const BodyMotion& motion, const Inertial& imu, double inertial_speed) {
     duration_ += dt;
     velocity_ += dt * motion.velocity;
     rate_ += dt * motion.angular_rate;
-    gyro_ += dt * gyro;
+    gyro_ += dt * imu.angular_rate;
+    force_ += dt * imu.acceleration;
     inertial_speed_ += dt * inertial_speed;
   }
   void reset() { *this = {}; }
@@ -22,6 +23,7 @@ class MotionWindow {
   // Only for a duration > 0.
   [[nodiscard]] BodyMotion motion() const { return {velocity_ / duration_, rate_ / duration_}; }
   [[nodiscard]] Eigen::Vector3d gyro() const { return gyro_ / duration_; }
+  [[nodiscard]] Eigen::Vector3d force() const { return force_ / duration_; }
   [[nodiscard]] double inertial_speed() const { return inertial_speed_ / duration_; }
 
  private:
@@ -29,6 +31,7 @@ class MotionWindow {
   Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d rate_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d gyro_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d force_ = Eigen::Vector3d::Zero();  // m/s^2, specific
   double inertial_speed_ = 0.0;
 };
 

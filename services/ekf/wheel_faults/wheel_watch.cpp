@@ -108,6 +108,13 @@ void WheelWatch::on_filter_restored() {
   filter_restored_ = true;
 }
 
+void WheelWatch::pardon() {
+  interrupt();
+  if (made_up_) wheels_ = {};
+  made_up_ = false;
+  even_ = {};
+}
+
 void WheelWatch::on_standstill() {
   interrupt();
   distance_ = 0;

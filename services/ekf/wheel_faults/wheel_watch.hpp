@@ -40,6 +40,8 @@ class WheelWatch {
   void interrupt();
   /// The filter has returned to its belief without the wheels: as interrupt(), and the wheels have not pulled it off.
   void on_filter_restored();
+  /// What contradicted the wheels was found to be wrong itself: as interrupt(), and they are not made up.
+  void pardon();
   /// The vehicle stands: as interrupt(), and its speed is known.
   void on_standstill();
 

@@ -12,6 +12,7 @@ void SensorMonitor::clean(scan::Scan& scan) {
   const bool moved = (position_ - looked_).norm() >= returns::LaserElevations::kStep;
   if (moved) looked_ = position_;
   if (moved) sectors_.check(scan);
+  if (moved) sight_.check(scan);
   steps_.check(scan);
   dead_.check(scan, moved);
   intensity_.check(scan);
@@ -32,6 +33,7 @@ void SensorMonitor::clean(scan::Scan& scan) {
 void SensorMonitor::add(const mounting::RegisteredScan& scan) {
   position_ = scan.T_map_base.translation();
   mounting_.add(scan);
+  scale_.add(scan);
   if (!scan.T_odom_base) {
     turns_.interrupt();
     lean_.interrupt();
@@ -43,12 +45,15 @@ void SensorMonitor::add(const mounting::RegisteredScan& scan) {
 
 void SensorMonitor::interrupt() {
   mounting_.interrupt();
+  scale_.interrupt();
   turns_.interrupt();
   lean_.interrupt();
 }
 
 void SensorMonitor::compare(std::int64_t utime, const Pose& T_map_base_by_scan, const Pose& T_odom_base) {
   lag_.add(utime, T_map_base_by_scan, T_odom_base);
+  sense_.add(utime, T_map_base_by_scan, T_odom_base);
+  mounting_.set_turns_opposite(sense_.is_opposite());
 }
 
 void SensorMonitor::add_faults(std::vector<std::string>& faults) const {
@@ -56,23 +61,27 @@ void SensorMonitor::add_faults(std::vector<std::string>& faults) const {
   order_.add_faults(faults);
   alignment_.add_faults(faults);
   strays_.add_faults(faults);
+  scale_.add_faults(faults);
   mounting_.add_faults(faults);
-  turns_.add_faults(faults);
+  // What a known cause explains is not reported beside it.
+  const bool is_mirrored = mounting_.wrong().mirrored;
+  if (!is_mirrored) turns_.add_faults(faults);
   lean_.add_faults(faults);
-  lag_.add_faults(faults);
+  if (!is_mirrored) lag_.add_faults(faults);
   sectors_.add_faults(faults);
+  sight_.add_faults(faults);
   silence_.add_faults(faults);
   steps_.add_faults(faults);
   dead_.add_faults(faults);
   intensity_.add_faults(faults);
-  ground_.add_faults(faults);
+  if (!scale_.scale()) ground_.add_faults(faults);
 }
 
 void SensorMonitor::add_counters(Counters& counters) const {
   for (const Counters* part :
        {&strays_.counters(), &lasers_.counters(), &order_.counters(), &alignment_.counters(), &mounting_.counters(),
         &turns_.counters(), &lean_.counters(), &lag_.counters(), &sectors_.counters(), &ground_.counters(),
-        &steps_.counters(), &dead_.counters(), &intensity_.counters()})
+        &steps_.counters(), &dead_.counters(), &intensity_.counters(), &sight_.counters(), &scale_.counters()})
     counters.add(*part);
 }
 

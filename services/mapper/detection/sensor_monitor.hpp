@@ -6,6 +6,8 @@
 
 #include "common/bus/counters.hpp"
 #include "services/mapper/detection/lidar_silence.hpp"
+#include "services/mapper/detection/range_scale.hpp"
+#include "services/mapper/detection/turn_sense.hpp"
 #include "services/mapper/mounting/lidar_lag.hpp"
 #include "services/mapper/mounting/lidar_mounting.hpp"
 #include "services/mapper/mounting/map_lean.hpp"
@@ -18,6 +20,7 @@
 #include "services/mapper/returns/laser_elevations.hpp"
 #include "services/mapper/returns/laser_order.hpp"
 #include "services/mapper/returns/range_steps.hpp"
+#include "services/mapper/returns/sight_range.hpp"
 #include "services/mapper/returns/stray_returns.hpp"
 #include "services/mapper/scan/scan.hpp"
 
@@ -28,7 +31,11 @@ namespace curbstone::mapper::detection {
 class SensorMonitor {
  public:
   explicit SensorMonitor(const VehicleConfig& vehicle)
-      : order_(vehicle.T_base_lidar()), mounting_(vehicle), ground_(vehicle.T_base_lidar()) {}
+      : order_(vehicle.T_base_lidar()),
+        mounting_(vehicle),
+        sight_(vehicle.T_base_lidar()),
+        ground_(vehicle.T_base_lidar()),
+        scale_(vehicle.T_base_lidar().translation().z()) {}
 
   /// Called every 20 ms, `now` in us; and for each packet of the LiDAR.
   void tick(std::int64_t now) { silence_.tick(now); }
@@ -42,7 +49,10 @@ class SensorMonitor {
   /// Takes the poses of the next revolution by registration, accepted or not, and by odometry.
   void compare(std::int64_t utime, const Pose& T_map_base_by_scan, const Pose& T_odom_base);
   /// Reports that poses from now on are in another map.
-  void begin_map() { lag_.interrupt(); }
+  void begin_map() {
+    lag_.interrupt();
+    sense_.interrupt();
+  }
 
   /// See GroundInSight.
   [[nodiscard]] bool is_upside_down() const { return ground_.is_upside_down(); }
@@ -63,7 +73,10 @@ class SensorMonitor {
   returns::DeadLasers dead_;
   returns::FlatIntensity intensity_;
   LidarSilence silence_;
+  returns::SightRange sight_;
   returns::GroundInSight ground_;
+  RangeScale scale_;
+  TurnSense sense_;
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();  // m, map: of the last revolution that fitted,
   Eigen::Vector3d looked_ = Eigen::Vector3d::Zero();    // of the last check of the lasers on the move,
   Eigen::Vector3d compared_ = Eigen::Vector3d::Zero();  // and of the last comparison of one laser with others

@@ -47,9 +47,22 @@ void LidarMounting::add(const RegisteredScan& scan) {
   judge();
 }
 
+void LidarMounting::set_turns_opposite(bool opposite) {
+  if (opposite == turns_opposite_) return;
+  turns_opposite_ = opposite;
+  judge_mirrored();
+}
+
+void LidarMounting::judge_mirrored() {
+  const auto turning = travel_.turning();
+  const bool before = wrong_.mirrored;
+  wrong_.mirrored = turning ? *turning < kMirrored : turns_opposite_;
+  if (wrong_.mirrored && !before) counters_.add("faults.lidar.mirrored");
+}
+
 void LidarMounting::judge() {
   const Wrong before = wrong_;
-  if (const auto turning = travel_.turning()) wrong_.mirrored = *turning < kMirrored;
+  judge_mirrored();
   if (const auto straight = travel_.straight()) {
     straight_ = *straight;
     wrong_.yaw = beyond(straight->heading_offset, kYaw, before.yaw);
@@ -63,7 +76,6 @@ void LidarMounting::judge() {
   if (wrong_.tilt && !before.tilt) counters_.add("faults.lidar.tilted");
   if (wrong_.height && !before.height) counters_.add("faults.lidar.height");
   if (wrong_.yaw && !before.yaw) counters_.add("faults.lidar.turned");
-  if (wrong_.mirrored && !before.mirrored) counters_.add("faults.lidar.mirrored");
   if (wrong_.size && !before.size) counters_.add("faults.wheels.size");
 }
 
@@ -84,7 +96,7 @@ void LidarMounting::add_faults(std::vector<std::string>& faults) const {
   if (wrong_.mirrored) {
     faults.emplace_back(
         "LiDAR: it turns the other way than odometry: upside down is a roll of 3.1416 in vehicle.lidar; else are its "
-        "axes mirrored, or the IMU's turned?");
+        "azimuths or axes mirrored, or the IMU's turned?");
     return;
   }
   if (wrong_.tilt || wrong_.height || wrong_.yaw) {

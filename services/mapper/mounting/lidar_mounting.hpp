@@ -47,6 +47,10 @@ class LidarMounting {
   /// Breaks the sequence: a revolution did not fit, or the map was rearranged.
   void interrupt();
 
+  /// Whether scans turn the other way than odometry, by all of them, also those that did not fit the map. The turns of
+  /// those that fitted count for more, once there are enough.
+  void set_turns_opposite(bool opposite);
+
   /// Current faults: the LiDAR leans, is too high or low, is turned, is mirrored; the wheels are of another size.
   struct Wrong {
     bool tilt = false, height = false, yaw = false, mirrored = false, size = false;
@@ -62,6 +66,7 @@ class LidarMounting {
 
  private:
   void judge();
+  void judge_mirrored();
 
   VehicleConfig vehicle_;
   GroundPlaneEstimator ground_;
@@ -71,6 +76,7 @@ class LidarMounting {
   Eigen::Vector3d looked_ = Eigen::Vector3d::Constant(1e9);  // m, map: where the ground was last observed
   GroundPlane plane_;
   TravelDirection::Straight straight_;
+  bool turns_opposite_ = false;
   Wrong wrong_;
   Counters counters_;
 };

@@ -109,5 +109,32 @@ TEST(GyroLeap, IsNoneOnManyBlocksWheneverWheelsGoWrong) {  // long
   expect_no_leap({2, 3, 4, 5}, {1.0, 45.0});
 }
 
+/// About a level axis: the accelerometer tells.
+TEST(TiltingGyro, ALeapAboutALevelAxisIsTakenOut) {
+  for (const int axis : {0, 1}) {
+    for (const double rate : {-2.0, 5.0}) {
+      for (const double at : {10.0, 33.0}) {
+        Drive drive = round_a_block(1);
+        const LeapOutcome healthy = leap_outcome(drive);
+        for (base::ImuSample& sample : drive.imu) {
+          const double t = base::seconds_between(drive.imu.front().utime, sample.utime);
+          if (t > at) sample.angular_rate[axis] += rate * kDegreeASecond;
+        }
+        const LeapOutcome leapt = leap_outcome(drive);
+        EXPECT_EQ(leapt.leaps, 1) << axis << ' ' << rate << ' ' << at;
+        EXPECT_LT(leapt.position, healthy.position + 4) << axis << ' ' << rate << ' ' << at;
+        EXPECT_LT(leapt.square, 20) << axis << ' ' << rate << ' ' << at;
+        Filter filter{base::EkfConfig()};
+        const std::vector<model::Estimate> out = run(filter, drive);
+        ASSERT_TRUE(filter.gyro_leapt());
+        EXPECT_EQ(filter.gyro_leapt()->axis, axis);
+        EXPECT_GT(filter.gyro_leapt()->rate * rate, 0.0);
+        EXPECT_TRUE(out.back().level);
+        EXPECT_NEAR(filter.belief().mean.gyro_bias[axis], rate * kDegreeASecond, 0.3 * kDegreeASecond);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace curbstone::ekf::filter

@@ -1,5 +1,5 @@
 // Drives whose sensors are as they should be: no wheel is called faulty, or not for long, no gyro's axis is done
-// without, and no leap of its bias is seen. One run of the filter is asked for all of it.
+// without, no leap of its bias is seen, and the vertical force is used. One run of the filter is asked for all of it.
 #include <gtest/gtest.h>
 
 #include "services/ekf/filter/filter.hpp"
@@ -12,7 +12,7 @@ namespace {
 
 struct Verdicts {
   std::int64_t faults = 0, withheld = 0;
-  std::int64_t gyro_leaps = 0;
+  std::int64_t gyro_leaps = 0, vertical_force = 0;
   bool without_axis = false;  // of the gyro, at the end or some time
   double trusted_at = 0.0;    // s, when the last wheel was trusted again
   bool faulty_at_end = false;
@@ -35,6 +35,7 @@ Verdicts verdicts_on(const base::EkfConfig& config, const Drive& drive) {
   v.withheld = counters["withheld.wheel_left"] + counters["withheld.wheel_right"];
   v.faulty_at_end = faulty;
   v.gyro_leaps = counters["gyro_leaps"];
+  v.vertical_force = counters["faults.vertical_force"];
   v.without_axis = filter.axes().any();
   for (const char* axis : {"x", "y", "z"})
     v.without_axis = v.without_axis || counters.values().count(std::string("faults.gyro_") + axis) > 0;
@@ -48,6 +49,7 @@ TEST_P(HarmlessDrives, CallNoWheelAndNoGyroFaulty) {
   const Verdicts v = verdicts_on(base::EkfConfig(), GetParam().make());
   EXPECT_FALSE(v.without_axis);
   EXPECT_EQ(v.gyro_leaps, 0);
+  EXPECT_EQ(v.vertical_force, 0);
   if (GetParam().spin_ends < 0) {
     EXPECT_EQ(v.faults, 0);
     EXPECT_EQ(v.withheld, 0);
@@ -78,6 +80,7 @@ TEST_P(RealDrives, CallNoWheelFaultyAndSeeNoLeapOfTheGyro) {
       const Verdicts v = verdicts_on(config, drive->drive);
       EXPECT_EQ(v.faults, 0) << "radius " << radius << ", track " << track;
       EXPECT_EQ(v.withheld, 0);
+      EXPECT_EQ(v.vertical_force, 0);
       if (radius == 1.0 && track == 1.0) {
         EXPECT_EQ(v.gyro_leaps, 0);
       }

@@ -90,5 +90,64 @@ TEST_F(BadImu, AnAccelerometerThatIsStuckIsDoneWithout) {
   }
 }
 
+bool says(const NodeReport& report, const std::string& words) {
+  return std::any_of(report.faults.begin(), report.faults.end(),
+                     [&](const std::string& fault) { return fault.find(words) != std::string::npos; });
+}
+
+/// The largest tilt of odometry against the truth, rad.
+double largest_tilt(const std::vector<odometry_t>& odometry, const Drive& drive) {
+  const std::size_t start = drive.index_of(odometry.front().utime);
+  double most = 0.0;
+  for (const odometry_t& message : odometry) {
+    const Pose truth = drive.T_odom_base(std::min(drive.index_of(message.utime), drive.truth.size() - 1), start);
+    const Pose pose = pose_from_arrays(message.position, message.orientation);
+    const Eigen::Vector3d up = pose.linear().row(2), truly_up = truth.linear().row(2);
+    most = std::max(most, up.cross(truly_up).norm());
+  }
+  return most;
+}
+
+constexpr const char* kVertical = "its vertical part is not used";
+
+TEST_F(BadImu, AVerticalForceThatLeapsCostsOnlyItself) {
+  for (const double leap : {-2.0, 0.7, 2.0, 5.0}) {
+    for (const double from : {5.0, 15.0}) {
+      Rig rig(config_);
+      const double most = run(rig, [&](base::ImuSample& imu, double seconds) {
+        if (seconds >= from) imu.acceleration.z() += leap;
+      });
+      EXPECT_LT(most, 1.0) << leap << " " << from;
+      const Drive drive = simulate_town_drive({.seconds = 60.0}, config_.vehicle);
+      EXPECT_LT(largest_tilt(rig.odometry, drive), 0.02) << leap << " " << from;
+      const NodeReport report = rig.node.report();
+      EXPECT_TRUE(says(report, kVertical)) << leap << " " << from;
+      EXPECT_EQ(report.counters["reset.doubt"], 0) << leap << " " << from;
+      EXPECT_FALSE(rig.odometry.back().flags & odometry_t::NOT_LEVEL);
+    }
+  }
+}
+
+TEST_F(BadImu, AVerticalForceThatOverflowsCostsOnlyItself) {
+  Rig rig(config_);
+  const double most = run(rig, [&](base::ImuSample& imu, double seconds) {
+    if (seconds >= 15.0 && imu.acceleration.z() > 10.0) imu.acceleration.z() -= 20.0;
+  });
+  EXPECT_LT(most, 1.0);
+  const Drive drive = simulate_town_drive({.seconds = 60.0}, config_.vehicle);
+  EXPECT_LT(largest_tilt(rig.odometry, drive), 0.02);
+  EXPECT_GE(rig.node.report().counters["faults.vertical_force"], 1);
+}
+
+TEST_F(BadImu, AVerticalForceThatComesBackIsUsedAgain) {
+  Rig rig(config_);
+  const double most = run(rig, [&](base::ImuSample& imu, double seconds) {
+    if (seconds >= 15.0 && seconds < 25.0) imu.acceleration.z() += 3.0;
+  });
+  EXPECT_LT(most, 1.0);
+  EXPECT_EQ(rig.node.report().counters["faults.vertical_force"], 1);
+  EXPECT_FALSE(says(rig.node.report(), kVertical));
+}
+
 }  // namespace
 }  // namespace curbstone::ekf
