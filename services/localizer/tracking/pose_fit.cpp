@@ -132,18 +132,25 @@ Matrix6 covariance_of(const Matrix6& information) {
   return inverse(information + 1e-3 * Matrix6::Identity());
 }
 
+/// What ground and upright structures tell of the pose.
+struct StructureSums {
+  NormalSums sums;
+  int directions = 2;  ///< in the plane, that they constrain
+};
+
 /// The sums without what they tell about directions in the plane that they hardly constrain. There the noise of the map
 /// looks like a little information, the same in each revolution, and would sum up to a certainty that is none (Zhang,
 /// Kaess and Singh 2016).
-NormalSums without_weak_directions(const NormalSums& sums, double independent) {
-  NormalSums strong = sums;
+StructureSums without_weak_directions(const NormalSums& sums, double independent) {
+  StructureSums strong{sums};
   const auto plane = eigen_pairs<2>(covariance_of(independent * sums.information).topLeftCorner<2, 2>());
   for (int i = 0; i < 2; ++i) {
     if (plane.values(i) < kObservablePosition * kObservablePosition) continue;
     Matrix6 rest = Matrix6::Identity();
     rest.topLeftCorner<2, 2>() -= plane.vectors.col(i) * plane.vectors.col(i).transpose();
-    strong.information = rest * strong.information * rest;
-    strong.gradient = rest * strong.gradient;
+    strong.sums.information = rest * strong.sums.information * rest;
+    strong.sums.gradient = rest * strong.sums.gradient;
+    --strong.directions;
   }
   return strong;
 }
@@ -195,9 +202,11 @@ PoseFit fit_pose(const ThinnedScan& scan, const PoseBelief& prior, fields::Saved
   for (int iteration = 1;; ++iteration) {
     PointSums seen(pose, map, config);
     seen.add(scan, every);
+    const auto weight = static_cast<double>(every);
+    const StructureSums structure = without_weak_directions(seen.structure, config.independent * weight);
+    if (structure.directions == 0) seen.paint = {};  // by paint alone, one line looks like the next one
     NormalSums sums;
-    sums.add(without_weak_directions(seen.structure, config.independent * static_cast<double>(every)),
-             static_cast<double>(every));
+    sums.add(structure.sums, weight);
     sums.add(seen.paint, 1);
     const Matrix6 information = prior_information + share * sums.information;
     const Vector6 gradient = prior_information * error_between(prior.T_map_base, pose) + share * sums.gradient;

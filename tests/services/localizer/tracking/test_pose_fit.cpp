@@ -161,6 +161,21 @@ TEST(FitPose, TheEndsOfDashesTellThePlaceAlongAStreet) {
   EXPECT_NEAR(blind.belief.T_map_base.translation().x(), 0.2, 0.02);
 }
 
+TEST(FitPose, ByPaintAloneOneLineLooksLikeTheNextSoItIsNotUsed) {
+  fields::SavedMap map(map_of(Yard{.half_length = 60, .turned = 0, .curb = -100, .ends = false}));
+  semantic_map::tile::MarkingLine line;
+  line.points = {{-20, 1, 0, true}, {20, 1, 0, false}};
+  map.set_paint(fields::PaintField({line}));
+  ThinnedScan scan;
+  for (double x = -9; x < 9; x += 0.1) {
+    scan.paint.emplace_back(x, 1.4, 0);
+    for (double y = -4; y < 4; y += 0.5) scan.points.emplace_back(x, y, 0);
+  }
+  const PoseFit fit = fit_pose(scan, belief(pose_at(0, 0, 0)), map, {});
+  EXPECT_NEAR(fit.belief.T_map_base.translation().y(), 0, 1e-3);
+  EXPECT_EQ(fit.degenerate & 3, 3);
+}
+
 TEST(FitPose, WithoutPointsStaysWithThePrior) {
   fields::SavedMap map(map_of(Yard{}));
   const PoseFit fit = fit_pose({}, belief(pose_at(0.5, 0, 0)), map, {});
