@@ -10,6 +10,8 @@ namespace curbstone::localizer::tracking {
 namespace {
 
 constexpr double kWalk = 0.0005;          // 1 sigma by which the scale changes within a metre, growing with its root
+constexpr double kMost = 0.05;            // of the scale, either way: more are wheels that slip
+constexpr double kLeast = 1e-6;           // 1 sigma of the scale, at least: rounding must not make it certain
 constexpr double kMostCorrelated = 0.99;  // of pose and scale: bounds the rounding of a covariance
 
 }  // namespace
@@ -35,13 +37,16 @@ void OdometryScale::predict(const PoseBelief& before, const Motion& motion, Pose
   with_pose_ = carried + variance_ * by_scale;
   // A lost pose's covariance is bounded, which the correlation has to follow.
   const double shared = with_pose_.dot(inverse(predicted.covariance) * with_pose_);
+  if (!std::isfinite(shared)) return forget_pose();
   if (shared > kMostCorrelated * variance_) with_pose_ *= std::sqrt(kMostCorrelated * variance_ / shared);
 }
 
 void OdometryScale::update(const PoseBelief& predicted, const PoseBelief& corrected) {
   const Vector6 gain = inverse(predicted.covariance) * with_pose_;
+  if (!gain.allFinite()) return forget_pose();  // the covariance is singular
   value_ += gain.dot(error_between(predicted.T_map_base, corrected.T_map_base));
-  variance_ -= gain.dot((predicted.covariance - corrected.covariance) * gain);
+  value_ = std::clamp(value_, -kMost, kMost);
+  variance_ = std::max(variance_ - gain.dot((predicted.covariance - corrected.covariance) * gain), kLeast * kLeast);
   with_pose_ = corrected.covariance * gain;
 }
 

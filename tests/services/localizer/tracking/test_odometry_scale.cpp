@@ -84,6 +84,24 @@ TEST(OdometryScale, WithoutOdometryNothingIsLearned) {
   EXPECT_EQ(scale.value(), 0);
 }
 
+TEST(OdometryScale, WheelsThatSlipChangeItByAFewPercentOnlyAndASingularCovarianceNotAtAll) {
+  OdometryScale scale;
+  Motion motion;
+  motion.T_last_base.translation().x() = kStep;
+  PoseBelief before, next = predicted(before, motion, {});
+  scale.predict(before, motion, next);
+  PoseBelief corrected = next;
+  corrected.T_map_base.translation().x() += 1e4;
+  corrected.covariance *= 0.5;
+  scale.update(next, corrected);
+  EXPECT_LE(std::abs(scale.value()), 0.05);
+  const double value = scale.value();
+  next.covariance.setZero();
+  scale.update(next, corrected);
+  EXPECT_EQ(scale.value(), value);
+  EXPECT_TRUE(std::isfinite(scale.sigma()));
+}
+
 TEST(OdometryScale, LeavesTheCovarianceOfALostPosePositive) {
   StraightDrive drive(0.01, 3);
   for (int i = 0; i < 100; ++i) drive.revolution(true);
