@@ -26,7 +26,6 @@ constexpr double kMaxSpeed = 40.0;       // m/s: faster odometry has started ane
 constexpr double kMaxTurn = 6.0;         // rad/s
 constexpr double kStartTilt = 0.02;      // rad, 1 sigma of roll and pitch at the start
 constexpr double kStartHeight = 0.15;    // m
-constexpr int kPlane = 0b11;             // bits of PoseFit::degenerate
 constexpr double kUnknown = 1000.0;      // m and rad, 1 sigma of an unknown pose
 
 }  // namespace
@@ -121,7 +120,7 @@ void LocalizerNode::process(const mapper::scan::Scan& scan) {
   tracking::ThinnedScan thinned{thinner_.thin(deskewed)};
   if (covered && !map_->paint().empty()) thinned.paint = paint_.find(deskewed, odometry_.at(scan.end));
   const tracking::PoseFit fit = tracker_ ? tracker_->track(thinned, motion, *map_) : tracking::PoseFit{};
-  held_beside_ = (fit.degenerate & kPlane) != 0 && fit.held_share() >= config_.tracking.min_match;
+  slides_ = fit.fits_but_slides(config_.tracking.min_match);
   if (!lost() || !covered || !motion.with_odometry)
     global_localizer_.restart();
   else
@@ -271,11 +270,10 @@ NodeReport LocalizerNode::report() const {
                     "localizer.map must not be the file that semantic_map writes",
                     config_.map));
   if (tracker_ && lost()) {
-    report.faults.push_back(held_beside_
-                                ? fmt::format("lost along the street: {} shows only what looks the same everywhere "
-                                              "there; drive on",
-                                              config_.map)
-                                : fmt::format("lost: {} does not show what is seen here", config_.map));
+    report.faults.push_back(slides_ ? fmt::format("lost along the street: {} shows only what looks the same everywhere "
+                                                  "there; drive on",
+                                                  config_.map)
+                                    : fmt::format("lost: {} does not show what is seen here", config_.map));
   }
   if (begun_ && !tracker_) report.faults.push_back(fmt::format("not found yet in {}", config_.map));
   if (lost() && global_localizer_.ambiguous())

@@ -75,7 +75,7 @@ class LocalizerNode final : public Node {
   mapper::scan::OdometryHistory odometry_;
   tracking::ScanThinner thinner_;
   tracking::PaintFinder paint_;
-  bool held_beside_ = false;  // the last revolution fits the map, which does not tell all of the place
+  bool slides_ = false;  // the last revolution fits the map, which does not tell all of the place
   std::unique_ptr<tracking::PoseTracker> tracker_;  // null until there is a start pose
   search::GlobalLocalizer global_localizer_;
   bool begun_ = false;  // since the first revolution with odometry

@@ -17,7 +17,7 @@ class PaintField {
   static constexpr double kReach = 0.6;  ///< m: paint farther away is ignored
 
   PaintField() = default;
-  /// Lines with a vertex that is not finite are left out.
+  /// Pieces with an end that is not finite are left out.
   explicit PaintField(const std::vector<semantic_map::tile::MarkingLine>& lines);
 
   /// From the nearest paint to the point; zero on paint. Nothing if no paint is in reach.

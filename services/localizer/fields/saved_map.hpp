@@ -29,7 +29,7 @@ using TileSource = std::function<std::optional<semantic_map::tile::MapTile>(Tile
 /// thread.
 class SavedMap {
  public:
-  /// Bound on tiles, and on fields: at most 90 MB together; enough for a dozen places of a search.
+  /// Bound on tiles, and on fields: at most 95 MB together; enough for a dozen places of a search.
   static constexpr std::size_t kMaxKept = 8000;
   static constexpr double kWindow = 75.0;  ///< m around the latest query: tiles farther away are evicted first
 

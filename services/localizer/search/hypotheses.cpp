@@ -26,9 +26,10 @@ void Hypotheses::update(const std::vector<Eigen::Vector3d>& points, const tracki
                         fields::SavedMap& map) {
   driven_ += motion.T_last_base.translation().norm();
   ++revolutions_;
+  const tracking::ThinnedScan scan{points};
   for (Hypothesis& one : alive_) {
     one.belief = predicted(one.belief, motion, config_);
-    one.fit = fit_pose({points}, one.belief, map, config_);
+    one.fit = fit_pose(scan, one.belief, map, config_);
     const bool usable = is_finite(one.fit.belief.T_map_base) && one.fit.belief.covariance.allFinite();
     if (usable && one.fit.matched_share() > 0) one.belief = one.fit.belief;
   }

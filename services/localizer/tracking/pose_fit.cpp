@@ -20,6 +20,7 @@ constexpr double kLevel = 0.1;                // slope between cells
 constexpr double kGroundMatched = 0.06;       // m
 constexpr double kWallMatched = 0.10;         // m
 constexpr int kFewPoints = 40;                // of either kind: too few to tell whether the map fits
+constexpr int kPlane = 0b11;                  // bits of PoseFit::degenerate
 constexpr double kObservablePosition = 0.10;  // m, 1 sigma by the revolution alone, below which an axis is observable
 constexpr double kObservableRotation = 0.01;  // rad
 
@@ -178,6 +179,10 @@ double PoseFit::matched_share() const {
 double PoseFit::held_share() const {
   const bool bare = uprights < kFewPoints && grounds >= kFewPoints;
   return bare ? static_cast<double>(grounds_matched) / grounds : matched_share();
+}
+
+bool PoseFit::fits_but_slides(double min_share) const {
+  return (degenerate & kPlane) != 0 && held_share() >= min_share;
 }
 
 Pose moved_by(const Pose& pose, const Vector6& error) {

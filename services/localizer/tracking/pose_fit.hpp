@@ -38,6 +38,8 @@ struct PoseFit {
   /// The same, but where hardly anything stands upright, the share of the ground alone: a street without walls can hold
   /// a known pose, but not find an unknown one.
   [[nodiscard]] double held_share() const;
+  /// The revolution fits the map by `min_share` or more, but some direction in the plane is not constrained.
+  [[nodiscard]] bool fits_but_slides(double min_share) const;
 };
 
 /// Computes the pose that fits prior and revolution best: Gauss-Newton with a robust kernel for outliers

@@ -44,6 +44,24 @@ class LocalizerOnAYard : public ::testing::Test {
     node_.emplace(config_, bus_);
     node_->connect(bus_);
   }
+  /// Another process, another drive.
+  void begin_anew() {
+    clock_ = kStart;
+    heard_ = kStart - 50'000;
+    seen_ = 0;
+    poses_.clear();
+    begin();
+  }
+  /// All stamps leap by `step`; odometry's filter drops the samples of the first `dropped`.
+  void set_clock(std::int64_t step, std::int64_t dropped = 0) {
+    clock_ += step;
+    heard_ = clock_ + seen_ * kRevolution + 10'000 + dropped;
+  }
+  void expect_no_lost_pose(std::int64_t step) const {
+    for (const map_pose_t& pose : poses_)
+      EXPECT_FALSE(pose.revolution > 20 && (pose.flags & map_pose_t::LOST) != 0) << step << ' ' << pose.revolution;
+    EXPECT_GE(poses_.size(), 97U);
+  }
   /// T_map_base, so many revolutions after the beginning.
   [[nodiscard]] Pose at(double revolutions) const {
     return begin_ * pose_at(step_ * revolutions, 0, bend_ * step_ * revolutions);

@@ -35,10 +35,8 @@ TEST_F(LocalizerOnAYard, SaysTheSameHoweverTheChannelsInterleave) {
     odometry_until(i + 1);
     lidar_until(i + 1);
   }
-  const auto in_step = std::exchange(poses_, {});
-  heard_ = kStart - 50'000;
-  seen_ = 0;
-  begin();
+  const auto in_step = poses_;
+  begin_anew();
   odometry_until(3);
   for (int i = 0; i < 20; ++i) {
     lidar_until(i + 1);
@@ -84,24 +82,17 @@ TEST_F(LocalizerOnAYard, WhereTheHostsClockIsSetThePoseGoesOn) {
     for (const std::int64_t step : {-3'600'000'000LL, -2'000'000LL, 2'000'000LL, 7'200'000'000LL}) {
       step_ = 0.12;
       bend_ = 0.1;
-      clock_ = kStart;
-      heard_ = kStart - 50'000;
-      seen_ = 0;
-      poses_.clear();
-      begin();
+      begin_anew();
       drive_until(50);
       ASSERT_FALSE(lost());
-      clock_ += step;
-      heard_ = clock_ + seen_ * kRevolution + 10'000 + dropped;
+      set_clock(step, dropped);
       drive_until(60);  // odometry's history and the packets wait until the new clock is certain
       for (int until = 61; until < 100; ++until) {
         drive_until(until);
         EXPECT_FALSE(lost()) << until;
         EXPECT_LT(error(), 0.1) << until;
       }
-      for (const map_pose_t& pose : poses_)
-        EXPECT_FALSE(pose.revolution > 20 && (pose.flags & map_pose_t::LOST) != 0) << step << ' ' << pose.revolution;
-      EXPECT_GE(poses_.size(), 97U);
+      expect_no_lost_pose(step);
     }
   }
 }
@@ -110,20 +101,13 @@ TEST_F(LocalizerOnAYard, WhereTheHostsClockIsSetThePoseGoesOn) {
 TEST_F(LocalizerOnAYard, WhereTheHostsClockIsSetWhileItStandsThePoseGoesOn) {
   for (const std::int64_t step : {-2'000'000LL, 2'000'000LL, 7'200'000'000LL}) {
     step_ = 0;
-    clock_ = kStart;
-    heard_ = kStart - 50'000;
-    seen_ = 0;
-    poses_.clear();
-    begin();
+    begin_anew();
     drive_until(50);
     ASSERT_FALSE(lost());
     node_->clock_was_set(step);
-    clock_ += step;
-    heard_ = clock_ + seen_ * kRevolution + 10'000;
+    set_clock(step);
     drive_until(100);
-    for (const map_pose_t& pose : poses_)
-      EXPECT_FALSE(pose.revolution > 20 && (pose.flags & map_pose_t::LOST) != 0) << step << ' ' << pose.revolution;
-    EXPECT_GE(poses_.size(), 97U);
+    expect_no_lost_pose(step);
     EXPECT_LT(error(), 0.1);
   }
 }

@@ -70,34 +70,43 @@ TEST(OdometryScale, TheErrorOfAStreetWithoutWallsIsAsLargeAsItsCovarianceSays) {
   EXPECT_LT(squares / kDrives, 1.4);
 }
 
+/// One revolution, after which the map puts the vehicle `off` m ahead.
+class OneRevolution {
+ public:
+  OneRevolution(bool with_odometry, double off) {
+    motion_.with_odometry = with_odometry;
+    motion_.T_last_base.translation().x() = kStep;
+    predicted_ = predicted(before_, motion_, {});
+    corrected_ = predicted_;
+    corrected_.T_map_base.translation().x() += off;
+    corrected_.covariance *= 0.5;
+  }
+  void predict(OdometryScale& scale) { scale.predict(before_, motion_, predicted_); }
+  void update(OdometryScale& scale) const { scale.update(predicted_, corrected_); }
+  void make_singular() { predicted_.covariance.setZero(); }
+
+ private:
+  Motion motion_;
+  PoseBelief before_, predicted_, corrected_;
+};
+
 TEST(OdometryScale, WithoutOdometryNothingIsLearned) {
   OdometryScale scale;
-  Motion blind;
-  blind.with_odometry = false;
-  blind.T_last_base.translation().x() = kStep;
-  PoseBelief before, next = predicted(before, blind, {});
-  scale.predict(before, blind, next);
-  PoseBelief corrected = next;
-  corrected.T_map_base.translation().x() += 0.3;
-  corrected.covariance *= 0.1;
-  scale.update(next, corrected);
+  OneRevolution blind(false, 0.3);
+  blind.predict(scale);
+  blind.update(scale);
   EXPECT_EQ(scale.value(), 0);
 }
 
 TEST(OdometryScale, WheelsThatSlipChangeItByAFewPercentOnlyAndASingularCovarianceNotAtAll) {
   OdometryScale scale;
-  Motion motion;
-  motion.T_last_base.translation().x() = kStep;
-  PoseBelief before, next = predicted(before, motion, {});
-  scale.predict(before, motion, next);
-  PoseBelief corrected = next;
-  corrected.T_map_base.translation().x() += 1e4;
-  corrected.covariance *= 0.5;
-  scale.update(next, corrected);
-  EXPECT_LE(std::abs(scale.value()), 0.05);
+  OneRevolution slip(true, 1e4);
+  slip.predict(scale);
+  slip.update(scale);
   const double value = scale.value();
-  next.covariance.setZero();
-  scale.update(next, corrected);
+  EXPECT_EQ(value, 0.05);
+  slip.make_singular();
+  slip.update(scale);
   EXPECT_EQ(scale.value(), value);
   EXPECT_TRUE(std::isfinite(scale.sigma()));
 }
