@@ -41,6 +41,12 @@ std::int64_t age_of(std::int64_t start_ticks) {
   return since_boot.tv_sec * 1'000'000 + since_boot.tv_nsec / 1000 - start_ticks * 1'000'000 / sysconf(_SC_CLK_TCK);
 }
 
+/// Of a mark, behind the pid.
+std::string service_part() {
+  const char* const address = std::getenv("NOTIFY_SOCKET");
+  return fmt::format(":{}:", address == nullptr ? "" : address);
+}
+
 std::string control_group_of(const std::string& process) {
   std::ifstream stream("/proc/" + process + "/cgroup");
   return {std::istreambuf_iterator<char>(stream), {}};
@@ -101,14 +107,20 @@ std::optional<AdoptedProcess> recognise(const RunningCommand& command, FileDescr
   return adopted;
 }
 
+std::string new_mark_of(const std::string& id) {
+  return std::to_string(getpid()) + service_part() + id;
+}
+
 std::vector<pid_t> find_leftovers() {
+  const std::string service = service_part();
   const std::string own_group = control_group_of("self");
   std::vector<pid_t> leftovers;
   for (const ProcessInfo& info : read_process_table()) {
     if (info.zombie || info.pid == getpid() || control_group_of(std::to_string(info.pid)) != own_group) continue;
     const std::string mark = read_mark(info.pid);
     pid_t deputy = 0;
-    std::from_chars(mark.data(), mark.data() + mark.size(), deputy);
+    const auto rest = std::from_chars(mark.data(), mark.data() + mark.size(), deputy);
+    if (!std::string_view(rest.ptr).starts_with(service)) continue;
     if (deputy > 0 && deputy != getpid() && !read_process(deputy)) leftovers.push_back(info.pid);
   }
   return leftovers;

@@ -39,8 +39,12 @@ struct AdoptedProcess {
 /// Takes `terminal` if it is the controlling terminal of exactly this process, as the leader of its session.
 [[nodiscard]] std::optional<AdoptedProcess> recognise(const RunningCommand& command, FileDescriptor& terminal);
 
-/// The living processes of this control group that an earlier deputy started: those with the mark of a process that
-/// does not live.
+/// The mark of all processes of a command that this deputy starts: its pid, the service manager that started it, the
+/// id.
+[[nodiscard]] std::string new_mark_of(const std::string& id);
+
+/// The living processes of this control group that an earlier deputy of the same service manager started: those with
+/// the mark of a process that does not live.
 [[nodiscard]] std::vector<pid_t> find_leftovers();
 
 }  // namespace curbstone::procman::process

@@ -35,11 +35,6 @@ FileDescriptor watch_children() {
   return fd;
 }
 
-/// Of all processes of a command; names this deputy too.
-std::string new_mark(const std::string& id) {
-  return std::to_string(getpid()) + ":" + id;
-}
-
 }  // namespace
 
 Supervisor::Supervisor(EventLoop& loop, Events events)
@@ -62,7 +57,7 @@ void Supervisor::set(const config::Command& command) {
   auto& managed = commands_[command.id];
   if (!managed) {
     managed = std::make_unique<Managed>();
-    managed->mark = new_mark(command.id);
+    managed->mark = new_mark_of(command.id);
   }
   managed->state.command = command;
   managed->remove_at_end = false;
@@ -173,7 +168,7 @@ void Supervisor::launch(Managed& managed) {
   managed.start_at_end = false;
   managed.end = FileDescriptor();
   managed.reaper = 0;
-  managed.mark = new_mark(state.command.id);
+  managed.mark = new_mark_of(state.command.id);
   const std::string id = state.command.id;
   const config::ExecLine line = config::parse_exec_line(state.command.exec, config::from_environment);
   try {

@@ -23,9 +23,10 @@ bool lives(int pid) {
 /// A deputy as systemd runs it: killed, it is started again, and the terminals of its commands were kept.
 class DeputyAdoption : public ::testing::Test {
  protected:
-  void start(const std::string& text) {
+  void start(const std::string& text) { start(text, manager_); }
+  void start(const std::string& text, bench::programs::ServiceManager& manager) {
     write_file(folder_ / "test.cfg", text);
-    deputy_ = manager_.start(
+    deputy_ = manager.start(
         test::program_path("curbstone-deputy") + " --start-all --config " + (folder_ / "test.cfg").string(),
         folder_ / "output");
   }
@@ -130,6 +131,17 @@ TEST_F(DeputyAdoption, WhatACommandLeftBehindMeanwhileGoes) {
   start(R"(cmd "a" { exec = "sleep 1001"; deputy = "d"; })");
   ASSERT_TRUE(is_back()) << deputy_->output();
   EXPECT_EQ(orphan(), "") << deputy_->output();
+}
+
+TEST_F(DeputyAdoption, WhatAnotherServiceLeftIsNotTouched) {
+  start(fmt::format(fmt::runtime(kTalker), "here"));
+  ASSERT_TRUE(runs({"talker"})) << deputy_->output();
+  const int first = bus_.pid("talker");
+  kill_deputy();
+  bench::programs::ServiceManager another;
+  start(R"(cmd "a" { exec = "sleep 1002"; deputy = "d"; })", another);
+  ASSERT_TRUE(is_back()) << deputy_->output();
+  EXPECT_TRUE(lives(first)) << deputy_->output();
 }
 
 TEST_F(DeputyAdoption, StoppedForGoodNothingRunsOn) {
