@@ -41,7 +41,8 @@ class PageTouch : public PageOnABus, public ::testing::WithParamInterface<Screen
     return browser->evaluate(R"JS((() => {
       const cards = ["#bar", "#tools", "#timeline", "#scale", "#cell", "#ruler", "#curtain", "#handle"].map(name => document.querySelector(name))
         .filter(card => card.checkVisibility({ checkVisibilityCSS: true })).map(card => [card.id, card.getBoundingClientRect()]).filter(([, { width }]) => width > 0);
-      const wrong = [];
+      const wrong = [], figures = document.querySelector("#summary span"), shown = figures.textContent;
+      if (!figures.className) figures.textContent = "88.8 m/s · 888 ms delay";  // the widest: the test's own are chance
       cards.forEach(([name, a], i) => {
         if (a.left < 0 || a.top < 0 || a.right > innerWidth + 0.5 || a.bottom > innerHeight + 0.5) wrong.push(`${name} is beyond the window`);
         for (const [other, b] of cards.slice(i + 1))
@@ -50,6 +51,7 @@ class PageTouch : public PageOnABus, public ::testing::WithParamInterface<Screen
       for (const element of document.querySelectorAll("button, .chip, dt, dd, #elapsed, #summary span"))
         if (element.checkVisibility({ checkVisibilityCSS: true }) && element.scrollWidth > element.clientWidth + 1 && getComputedStyle(element).display !== "inline")
           wrong.push(`cut: ${element.textContent}`);
+      figures.textContent = shown;
       return wrong.join("; ");
     })())JS");
   }
