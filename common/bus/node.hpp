@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -47,7 +48,14 @@ class Node {
     return false;
   }
 
-  /// The drive is over: finishes pending work, without pacing. Called once before the process ends.
+  /// The drive is over: no measurement follows. Called at most once. A replay then goes on with tick() until no node
+  /// has anything outstanding.
+  virtual void end_drive() {}
+
+  /// How many things are still to be sent, or to be received from others, after end_drive(): 0 when all is complete.
+  [[nodiscard]] virtual std::size_t num_outstanding() const { return 0; }
+
+  /// Finishes pending work, without pacing. Called once before the process ends, in live runs without end_drive().
   virtual void finish() {}
 
   [[nodiscard]] virtual NodeReport report() const = 0;

@@ -31,6 +31,8 @@ class DriveFollower {
   void announced(const tile_index_t& message);
   /// The request for missing pages; num_tiles is 0 if nothing is to be asked. `now`: message time, us.
   [[nodiscard]] tile_request_t make_request(std::int64_t now);
+  /// The number of pages of which poses are missing.
+  [[nodiscard]] std::size_t behind() const { return pages_.behind(); }
   /// A fault in words while poses are missing that were asked for: others may be on their way.
   [[nodiscard]] std::optional<std::string> fault() const;
 

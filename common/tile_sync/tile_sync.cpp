@@ -74,6 +74,10 @@ void TileCatalog::set_version(TileKey key, std::int32_t version) {
   changed_.insert(key);
 }
 
+void TileCatalog::promise(TileKey key) {
+  if (versions_.try_emplace(key, 0).second) changed_.insert(key);
+}
+
 void TileCatalog::remove(TileKey key) {
   versions_.erase(key);
   changed_.erase(key);
@@ -151,7 +155,7 @@ bool TileFollower::announced(const tile_index_t& message) {
     const auto have = have_.find(key);
     if (have != have_.end() && have->second >= message.version[i]) continue;
     const auto [it, inserted] = behind_.try_emplace(key);
-    if (inserted) it->second.since = message.utime;
+    if (inserted || it->second.announced == 0) it->second.since = message.utime;
     it->second.announced = std::max(it->second.announced, message.version[i]);
   }
   return true;
@@ -173,6 +177,7 @@ tile_request_t TileFollower::make_request(std::int64_t now, std::size_t max_tile
                                           double y) {
   std::vector<TileKey> due;
   for (const auto& [key, behind] : behind_) {
+    if (behind.announced == 0) continue;
     // `since` is another's stamp: a little ahead of this clock is no clock that was set back.
     if (std::abs(now - behind.since) >= patience && has_passed(1'000'000, behind.last_asked, now)) due.push_back(key);
   }

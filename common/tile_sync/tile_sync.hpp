@@ -25,6 +25,8 @@ class TileCatalog {
   /// Discards everything of the previous epoch.
   void start_epoch(std::int32_t epoch);
   void set_version(TileKey key, std::int32_t version);
+  /// Announces a tile that is still to be sent, as version 0, unless it has a version. Nobody requests it.
+  void promise(TileKey key);
   void remove(TileKey key);
 
   /// One round of the index: first the tiles changed since the last round, then those nearest to (x, y), m in map. At
@@ -43,6 +45,9 @@ class TileCatalog {
   /// Up to `max_tiles` requested tiles whose version here is newer than the requester's, oldest request first; they
   /// leave the queue.
   [[nodiscard]] std::vector<Wanted> take_requests(std::size_t max_tiles);
+
+  /// The number of requests in the queue.
+  [[nodiscard]] std::size_t num_requested() const { return waiting_.size(); }
 
   static constexpr std::size_t kTilesPerPage = 1500;  ///< 12 bytes each: 18 kB
   static constexpr std::size_t kMaxWaiting = 10000;   ///< requests kept; further ones are dropped and asked again
@@ -75,7 +80,8 @@ class TileFollower {
   void lacks(TileKey key, std::int32_t version);
 
   /// A request for at most `max_tiles` tiles whose announced version has been above the listener's for `patience` us;
-  /// the message of a tile that was just announced is probably on its way. The nearest to (x, y), m in map, come first.
+  /// the message of a tile that was just announced is probably on its way. A tile of which all is still to come is not
+  /// requested. The nearest to (x, y), m in map, come first.
   /// num_tiles is 0 if nothing is to be asked. Each tile is requested at most once a second. `now`: message time, us.
   [[nodiscard]] tile_request_t make_request(std::int64_t now, std::size_t max_tiles = 200,
                                             std::int64_t patience = 300'000, double x = 0, double y = 0);

@@ -42,6 +42,7 @@ EkfNode::EkfNode(const base::EkfConfig& config, Publisher& publisher)
 }
 
 void EkfNode::tick(std::int64_t now) {
+  if (is_over_) return;
   imu_.silence.tick(now);
   wheels_.silence.tick(now);
   start_.tick(now);
@@ -122,7 +123,8 @@ void EkfNode::process_due() {
   while (const auto sample = sequencer_.pop()) process(*sample);
 }
 
-void EkfNode::finish() {
+void EkfNode::end_drive() {
+  is_over_ = true;
   while (const auto sample = sequencer_.pop_rest()) process(*sample);
 }
 

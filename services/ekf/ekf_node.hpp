@@ -39,7 +39,8 @@ class EkfNode final : public Node {
 
   void connect(Subscriber& bus) override;
   void tick(std::int64_t now) override;
-  void finish() override;
+  void end_drive() override;
+  void finish() override { end_drive(); }
   [[nodiscard]] NodeReport report() const override;
 
   void on(const imu_t& message);
@@ -88,6 +89,7 @@ class EkfNode final : public Node {
   std::optional<model::Estimate> last_;
   SilenceTimer start_;           // never hears anything: how long this process has run
   std::int64_t state_kept_ = 0;  // us
+  bool is_over_ = false;         // the drive is: nobody is silent
   std::optional<state::StateKeeper> state_keeper_;
   std::vector<model::Estimate> estimates_;
 };

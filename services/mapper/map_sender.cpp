@@ -51,7 +51,10 @@ void MapSender::start_epoch(std::int32_t epoch, const Eigen::Vector3d& position,
 void MapSender::queue_tiles(std::vector<TileKey> tiles) {
   std::stable_sort(tiles.begin(), tiles.end(),
                    [this](TileKey a, TileKey b) { return changed_.distance(a) < changed_.distance(b); });
-  for (const TileKey& key : tiles) changed_.push(key);
+  for (const TileKey& key : tiles) {
+    changed_.push(key);
+    catalog_.promise(key);
+  }
 }
 
 void MapSender::forget(const std::vector<TileKey>& tiles) {
@@ -91,12 +94,15 @@ void MapSender::send_changes(const dense_map::DenseMap& map, std::int64_t now) {
   int messages = kMessagesPerPeriod * periods_;
   int points = kPointsPerPeriod * periods_;
   queue_tiles(unreadable_.take_due(now));
-  std::vector<TileKey> unfinished;  // a large tile is sent in parts, with other tiles in between
+  std::vector<TileKey> unfinished;  // a large tile near the vehicle is sent in parts, with other tiles in between
   while (messages > 0 && points > 0) {
     const std::optional<TileKey> key = changed_.pop();
     if (!key) break;
     const dense_map::DenseTile* tile = map.tile(*key);
-    if (tile == nullptr) continue;  // evicted meanwhile
+    if (tile == nullptr) {  // evicted meanwhile
+      catalog_.remove(*key);
+      continue;
+    }
     const auto content = tile->read();
     --messages;
     if (!content) {
@@ -110,7 +116,11 @@ void MapSender::send_changes(const dense_map::DenseMap& map, std::int64_t now) {
     sent = send_records(*key, *tile, *content, before, total);
     points -= sent - before;
     catalog_.set_version(*key, sent);
-    if (sent < total) unfinished.push_back(*key);
+    if (sent == total) continue;
+    if (changed_.is_far(*key))
+      changed_.put_back(*key);
+    else
+      unfinished.push_back(*key);
   }
   for (const TileKey& key : unfinished) changed_.push(key);
 }
@@ -146,9 +156,11 @@ void MapSender::finish(const dense_map::DenseMap& map) {
   while (!trajectory_.empty()) send_trajectory();
   while (const std::optional<TileKey> key = changed_.pop()) {
     const dense_map::DenseTile* tile = map.tile(*key);
-    if (tile == nullptr) continue;
-    const auto content = tile->read();
-    if (!content) continue;
+    const auto content = tile == nullptr ? nullptr : tile->read();
+    if (!content) {
+      catalog_.remove(*key);
+      continue;
+    }
     std::int32_t& sent = sent_[*key];
     while (sent < size_of(*content)) sent = send_records(*key, *tile, *content, sent, size_of(*content));
     catalog_.set_version(*key, sent);

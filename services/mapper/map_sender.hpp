@@ -28,7 +28,8 @@ class MapSender {
   /// Begins an epoch with the vehicle at `position` (map, m). Everything sent in the previous one is void: the drive so
   /// far is sent again, and so are all tiles, which the caller queues.
   void start_epoch(std::int32_t epoch, const Eigen::Vector3d& position, const std::vector<TrajectoryPoint>& drive);
-  /// Queues tiles that have grown, or that are new in this epoch, the nearest first.
+  /// Queues tiles that have grown, or that are new in this epoch, the nearest first. The next index announces all of
+  /// them, so that listeners accept them far from the vehicle, too.
   void queue_tiles(std::vector<TileKey> tiles);
   /// Drops tiles that the map has evicted.
   void forget(const std::vector<TileKey>& tiles);
@@ -49,6 +50,10 @@ class MapSender {
   void send_requested(const dense_map::DenseMap& map);
   /// Sends TILE_INDEX. `now`: us. `position`: of the vehicle, m in map.
   void send_index(std::int64_t now, const Eigen::Vector3d& position);
+  /// How many tiles and pages are queued or requested.
+  [[nodiscard]] std::size_t num_outstanding() const {
+    return changed_.size() + trajectory_.size() + catalog_.num_requested();
+  }
   /// Sends all that is queued.
   void finish(const dense_map::DenseMap& map);
 

@@ -166,6 +166,7 @@ void MapperNode::begin_epoch(std::int64_t utime, bool is_rearranged) {
   std::vector<journal::RecordedPose> drive = drive_so_far();
   std::erase_if(drive, [&](const auto& pose) { return pose.utime >= utime; });  // later poses follow as MAP_POSE
   sender_.start_epoch(epoch_, position_, points_of(drive));
+  index_sent_ = 0;
   if (!is_rearranged) {
     mapper_->wait();
     sender_.queue_tiles(mapper_->shown().keys());
@@ -236,12 +237,17 @@ void MapperNode::take_changes(std::int64_t now) {
 void MapperNode::send_changes(std::int64_t now) {
   has_unsent_ = false;
   take_changes(now);
+  if (index_sent_ == 0) send_index(now);  // before the tiles that it announces
   sender_.send_changes(mapper_->shown(), now);
 }
 
 void MapperNode::send_index(std::int64_t now) {
   sender_.send_index(now, position_);
   index_sent_ = now;
+}
+
+void MapperNode::send_due_index(std::int64_t now) {
+  if (has_passed(kIndexPeriod, index_sent_, now)) send_index(now);
 }
 
 /// The map moves meanwhile, which takes longer than the insertion of a scan: nothing waits for it, so that the next
@@ -255,6 +261,7 @@ void MapperNode::caught_up(std::int64_t now) {
 }
 
 void MapperNode::tick(std::int64_t now) {
+  if (is_over_) return send_rest(now);
   sensor_monitor_.tick(now);
   input_.tick(now);
   process_due();
@@ -266,27 +273,10 @@ void MapperNode::tick(std::int64_t now) {
   if (is_rearranging(now)) return;
   send_changes(now);
   sender_.send_requested(mapper_->shown());
-  if (has_passed(kIndexPeriod, index_sent_, now)) send_index(now);
+  send_due_index(now);
   keep_map();
   if (std::exchange(is_pause_, true))
     mapper_->begin_free_space_removal();  // downstream services are done with the scan
-}
-
-void MapperNode::finish() {
-  input_.flush();
-  while (!input_.empty()) process(input_.pop());
-  if (epoch_ == 0) return;
-  take_changes(last_end_);
-  const bool is_rearranged = mapper_->close_last_loop();
-  if (const bool is_another = mapper_->show_drive(); is_another || is_rearranged) {
-    name_epoch(last_end_ + 1);
-    begin_epoch(last_end_ + 1, is_rearranged);
-  }
-  sender_.queue_tiles(mapper_->finish());
-  sender_.finish(mapper_->dense());
-  send_index(last_end_);
-  keep_map_at_the_end();
-  if (journal_) journal_->remove();
 }
 
 NodeReport MapperNode::report() const {

@@ -33,6 +33,8 @@ class MapperNode final : public Node {
   void connect(Subscriber& bus) override;
   void tick(std::int64_t now) override;
   void caught_up(std::int64_t now) override;
+  void end_drive() override;
+  [[nodiscard]] std::size_t num_outstanding() const override { return sender_.num_outstanding(); }
   void finish() override;
   [[nodiscard]] NodeReport report() const override;
 
@@ -59,6 +61,8 @@ class MapperNode final : public Node {
   void take_changes(std::int64_t now);
   void send_changes(std::int64_t now);
   void send_index(std::int64_t now);
+  void send_due_index(std::int64_t now);
+  void send_rest(std::int64_t now);
   [[nodiscard]] bool is_rearranging(std::int64_t now) const;
   /// `why`: the cause, for the fault that reports it.
   void begin_new_drive(const std::string& why);
@@ -90,6 +94,7 @@ class MapperNode final : public Node {
   std::int64_t last_end_ = 0;                           // us, of the last scan processed
   Eigen::Vector3d position_ = Eigen::Vector3d::Zero();  // m in map, after that scan
   bool is_pause_ = false;                               // a tick has passed since that scan was processed
+  bool is_over_ = false;                                // the drive is
 
   // Publication.
   MapSender sender_;
@@ -97,7 +102,7 @@ class MapperNode final : public Node {
   std::int32_t epoch_before_ = 0;   // of the map on disk or of the drive before, which a new epoch exceeds; 0: none
   std::int64_t rearranged_at_ = 0;  // us, end of the last scan if that rearranged the map; 0: it did not
   bool has_unsent_ = false;         // tiles of the last scan were not sent yet
-  std::int64_t index_sent_ = 0;     // us
+  std::int64_t index_sent_ = 0;     // us; 0: not in this epoch yet
   std::vector<journal::RecordedPose> resumed_drive_;  // of the mapper that died, until it is sent
   std::vector<journal::RecordedPose> start_drive_;    // of the first standstill, until it is over
 

@@ -33,6 +33,13 @@ class SendQueue {
   /// m from the vehicle to the tile's middle.
   [[nodiscard]] double distance(TileKey key) const { return std::sqrt(squared_distance(key, x_, y_)); }
   void push(TileKey key) { approach(key, ring_of_.try_emplace(key, kRings).first->second); }
+  /// Whether a tile lies in the last ring.
+  [[nodiscard]] bool is_far(TileKey key) const { return distance(key) >= kRing * (kRings - 1); }
+  /// Puts back a far tile that pop() returned, before all others: listeners keep a far tile only until it is complete.
+  void put_back(TileKey key) {
+    rings_[kRings - 1].push_front(key);
+    ring_of_[key] = kRings - 1;
+  }
   /// Removes and returns the next tile; nothing if the queue is empty.
   [[nodiscard]] std::optional<TileKey> pop() {
     for (std::size_t ring = 0; ring < kRings; ++ring) {
@@ -47,6 +54,7 @@ class SendQueue {
     }
     return std::nullopt;
   }
+  [[nodiscard]] std::size_t size() const { return ring_of_.size(); }
   void clear() {
     for (std::deque<TileKey>& ring : rings_) ring.clear();
     ring_of_.clear();

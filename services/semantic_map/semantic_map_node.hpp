@@ -46,6 +46,7 @@ class SemanticMapNode final : public Node {
   void tick(std::int64_t now) override;
   void caught_up(std::int64_t now) override;
   bool idle(std::int64_t now) override;
+  [[nodiscard]] std::size_t num_outstanding() const override { return voted_.behind() + drive_.behind(); }
   void finish() override;
   [[nodiscard]] NodeReport report() const override;
 

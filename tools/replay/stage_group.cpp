@@ -37,6 +37,13 @@ void StageGroup::tick(std::int64_t now) {
   }
 }
 
+void StageGroup::end_drive() {
+  for (Node* node : nodes_) {
+    node->end_drive();
+    bus_.dispatch();
+  }
+}
+
 void StageGroup::finish() {
   if (last_beat_ != 0) tick(last_beat_);
   for (Node* node : nodes_) {

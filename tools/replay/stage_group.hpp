@@ -26,7 +26,9 @@ class StageGroup {
   void when_published(Out out) { out_ = std::move(out); }
   void deliver(const LineItem& message);
   void beat(const LineItem& beat);
-  /// Ends the drive: all pending work is finished.
+  /// No measurement follows.
+  void end_drive();
+  /// Finishes all pending work.
   void finish();
 
  private:

@@ -41,6 +41,19 @@ void StageLine::beat(std::int64_t now, bool ticks) {
   moved_.wait(lock, [&] { return places_.front()->done >= number - kLag || failed_; });
 }
 
+void StageLine::end_drive() {
+  enter({LineItem::Kind::kEndOfDrive, {}, {}});
+}
+
+void StageLine::wait() {
+  {
+    std::unique_lock lock(mutex_);
+    const auto is_done = [&](const auto& place) { return place->done >= beats_ - 1; };
+    moved_.wait(lock, [&] { return std::all_of(places_.begin(), places_.end(), is_done) || failed_; });
+  }
+  rethrow();
+}
+
 void StageLine::finish() {
   enter({LineItem::Kind::kEnd, {}, {}, beats_});
   for (const auto& place : places_) {
@@ -99,6 +112,10 @@ void StageLine::work(std::size_t at, LineItem item) {
       for (const LineItem& message : back_until(at, item.number - kLag)) place.group->deliver(message);
       place.group->beat(item);
       break;
+    case LineItem::Kind::kEndOfDrive:
+      place.group->end_drive();
+      place.out.push_back(std::move(item));
+      return flush(at);
     case LineItem::Kind::kEnd:
       for (const LineItem& message : back_until(at, item.number - 1)) place.group->deliver(message);
       place.group->finish();

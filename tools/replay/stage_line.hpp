@@ -42,7 +42,11 @@ class StageLine {
   void deliver(std::string channel, std::vector<std::uint8_t> bytes);
   /// Ends a piece; `now`: us of message time. Waits while the groups are far behind.
   void beat(std::int64_t now, bool ticks);
-  /// Ends the drive. Returns when all groups have finished.
+  /// No measurement follows; beats may.
+  void end_drive();
+  /// Returns when all groups have reached the last beat. Their nodes may be accessed until the next call.
+  void wait();
+  /// Finishes all pending work. Returns when all groups have done so.
   void finish();
   /// What the groups' buses refused. After finish().
   [[nodiscard]] Counters bus_counters() const;

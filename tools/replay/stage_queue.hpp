@@ -13,8 +13,9 @@ namespace curbstone::replay {
 struct LineItem {
   enum class Kind {
     kMessage,
-    kBeat,  ///< end of a piece of the drive
-    kEnd,   ///< end of the drive
+    kBeat,        ///< end of a piece of the drive
+    kEndOfDrive,  ///< no measurement follows
+    kEnd,         ///< nothing follows
   };
   Kind kind = Kind::kMessage;
   std::string channel;              ///< of a message

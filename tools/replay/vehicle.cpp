@@ -23,6 +23,9 @@ namespace {
 
 constexpr std::array<std::string_view, 4> kSections = {"ekf", "mapper", "tensor_voting", "semantic_map"};
 
+constexpr int kTicksPerRound = 4;
+constexpr double kBandwidth = 10'000;  // MB/s: this bus loses nothing, and what is far is released once it is published
+
 /// One process's configuration, and its section with all values as YAML.
 template <class Config>
 struct Section {
@@ -67,6 +70,7 @@ Configuration configure(const ReplayOptions& given) {
                     section_of<semantic_map::SemanticMapConfig>("semantic_map", options)};
   all.ekf.value.state_file.clear();
   all.mapper.value.journal.clear();
+  all.voting.value.bandwidth = kBandwidth;
   leave_folder_alone(options, all.mapper.value);
   semantic_map::SemanticMapConfig& semantic = all.semantic.value;
   if (!options.map_file.empty()) semantic.map = options.map_file;
@@ -76,6 +80,14 @@ Configuration configure(const ReplayOptions& given) {
 }
 
 }  // namespace
+
+bool Settling::goes_on(const std::vector<Stage>& stages) {
+  std::size_t outstanding = 0;
+  for (const Stage& stage : stages) outstanding += stage.node->num_outstanding();
+  rounds_without_less_ = outstanding < least_ ? 0 : rounds_without_less_ + 1;
+  least_ = std::min(least_, outstanding);
+  return outstanding > 0 && rounds_without_less_ < kPatience;
+}
 
 void check_configuration(const ReplayOptions& options) {
   (void)configure(options);
@@ -121,6 +133,14 @@ void ReplayVehicle::tick(std::int64_t now) {
 }
 
 void ReplayVehicle::finish() {
+  for (Stage& stage : stages_) {
+    stage.node->end_drive();
+    bus_.dispatch();
+  }
+  Settling settling;
+  do {
+    for (int i = 0; i < kTicksPerRound; ++i) tick(last_tick_ += tick_period_);
+  } while (settling.goes_on(stages_));
   for (Stage& stage : stages_) {
     stage.node->finish();
     bus_.dispatch();

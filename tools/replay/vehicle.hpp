@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -38,6 +39,18 @@ void check_configuration(const ReplayOptions& options);
 [[nodiscard]] std::vector<Stage> make_stages(const ReplayOptions& options,
                                              const std::function<Publisher&(const std::string& name)>& bus_of);
 
+/// Decides how long time goes on after the end of a drive.
+class Settling {
+ public:
+  /// Whether a further round of ticks is worth it: something is outstanding, and in the last rounds it became less.
+  [[nodiscard]] bool goes_on(const std::vector<Stage>& stages);
+
+ private:
+  static constexpr int kPatience = 5;  // rounds
+  std::size_t least_ = std::numeric_limits<std::size_t>::max();
+  int rounds_without_less_ = 0;
+};
+
 /// The services of the vehicle on one bus in one process and one thread: ekf, mapper, one tensor-voting worker,
 /// semantic_map. The drivers are left out: their messages come from the log.
 class ReplayVehicle {
@@ -48,7 +61,7 @@ class ReplayVehicle {
 
   /// Advances message time to `now`: ticks every node each `tick_period`.
   void advance(std::int64_t now);
-  /// Ends the drive: all pending work is finished, stage by stage.
+  /// Ends the drive: time goes on until nothing is outstanding, then all pending work is finished, stage by stage.
   void finish();
 
   [[nodiscard]] const std::vector<Stage>& stages() const { return stages_; }

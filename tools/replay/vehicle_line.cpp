@@ -13,6 +13,7 @@ constexpr int kMapperBeats = 1;                // between two ticks
 constexpr int kOtherBeats = 8;                 // likewise; rare, so that each tile is computed once (at 3 s a voting
                                                // worker takes the mapper for silent)
 constexpr std::int64_t kMaxGap = 50;           // beats; longer gaps in the log are not ticked through
+constexpr int kRound = 2 * kOtherBeats;        // beats between two looks at what is outstanding
 constexpr std::int64_t kMaxMessages = 20'000;  // per beat; for a log whose time stands still
 
 enum Group : std::size_t { kMapping, kVoting, kSemantics, kNumGroups };
@@ -59,6 +60,21 @@ void VehicleLine::advance(std::int64_t now) {
     messages_ = 0;
     line_->beat(last_beat_ += kBeat, true);
   }
+}
+
+void VehicleLine::finish() {
+  line_->end_drive();
+  settle();
+  line_->finish();
+}
+
+/// A loop closed near the end of the drive has the whole map sent again, and points may still be requested.
+void VehicleLine::settle() {
+  Settling settling;
+  do {
+    for (int beat = 0; beat < kRound; ++beat) line_->beat(last_beat_ += kBeat, true);
+    line_->wait();
+  } while (settling.goes_on(stages_));
 }
 
 }  // namespace curbstone::replay

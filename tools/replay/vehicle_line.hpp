@@ -22,8 +22,8 @@ class VehicleLine {
   void deliver(std::int64_t now, std::string channel, std::vector<std::uint8_t> bytes);
   /// A message for the record only.
   void note(std::string channel, std::vector<std::uint8_t> bytes);
-  /// Ends the drive: all pending work is finished, stage by stage.
-  void finish() { line_->finish(); }
+  /// Ends the drive: time goes on until nothing is outstanding, then all pending work is finished, stage by stage.
+  void finish();
 
   /// Messages that did not decode, or that a node failed on. After finish().
   [[nodiscard]] Counters bus_counters() const { return line_->bus_counters(); }
@@ -32,6 +32,7 @@ class VehicleLine {
 
  private:
   void advance(std::int64_t now);
+  void settle();
 
   std::vector<std::unique_ptr<StageGroup>> groups_;  // moved into the line
   std::vector<Stage> stages_;

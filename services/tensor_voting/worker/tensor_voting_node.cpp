@@ -20,7 +20,8 @@ constexpr std::int64_t kSecond = 1'000'000;          // us
 constexpr std::int64_t kMapperSilent = 3 * kSecond;  // us: three of its indexes
 constexpr std::int64_t kRequestInterval = 100'000;   // us
 constexpr std::int64_t kRequestPatience = 300'000;   // us
-constexpr std::size_t kTilesPerRequest = 100;        // a few hundred kB of answers
+constexpr std::size_t kTilesPerRequest = 100;        // for each interval: a few hundred kB of answers
+constexpr std::int64_t kMaxIntervals = 20;           // in one request: a replay ticks every 2 s
 constexpr std::size_t kMaxBehind = 20'000;           // tiles that this worker knows to lack
 constexpr double kBurst = 50'000;            // us of bandwidth that may be saved up: the changes of a revolution
 constexpr std::size_t kMovesPerTick = 8000;  // points processed in a takeover: 10 to 20 ms of work
@@ -286,11 +287,13 @@ void TensorVotingNode::tick(std::int64_t now) {
   if (others || (joins && workers_.count() > 1)) reassign();
   map_.move(kMovesPerTick);
   collect_changes();
-  if (lost_timer_.take() && schedule_.num_pending() <= kAtOnce) publish_all();
+  if (is_over_ || (lost_timer_.take() && schedule_.num_pending() <= kAtOnce)) publish_all();
   publish_paced();
   if (has_passed(kRequestInterval, last_request_, now)) {
+    const auto intervals = std::clamp<std::int64_t>((now - last_request_) / kRequestInterval, 1, kMaxIntervals);
     last_request_ = now;
-    const tile_request_t request = follower_.make_request(now, kTilesPerRequest, kRequestPatience, x_, y_);
+    const tile_request_t request =
+        follower_.make_request(now, kTilesPerRequest * static_cast<std::size_t>(intervals), kRequestPatience, x_, y_);
     if (request.num_tiles > 0) publisher_.publish("TILE_REQUEST", request);
   }
   if (has_passed(kSecond, last_index_, now)) {
@@ -306,6 +309,16 @@ void TensorVotingNode::publish_all() {
   collect_changes();
   while (const auto key = schedule_.any()) queue_pages(*key);
   while (!pages_.empty()) send_next_page();
+}
+
+/// A far tile whose neighbours are still to come again is neither behind nor scheduled.
+std::size_t TensorVotingNode::num_outstanding() const {
+  const auto is_unpublished = [this](const auto& tile) {
+    return owns(tile.first) && schedule_.published_revision(tile.first) == 0;
+  };
+  const auto& tiles = map_.points().tiles();
+  return follower_.behind() + pages_.size() +
+         static_cast<std::size_t>(std::count_if(tiles.begin(), tiles.end(), is_unpublished));
 }
 
 void TensorVotingNode::finish() {

@@ -47,6 +47,8 @@ class TensorVotingNode final : public Node {
   void connect(Subscriber& bus) override;
   void tick(std::int64_t now) override;
   void caught_up(std::int64_t now) override;
+  void end_drive() override { is_over_ = true; }
+  [[nodiscard]] std::size_t num_outstanding() const override;
   void finish() override;
   [[nodiscard]] NodeReport report() const override;
 
@@ -108,6 +110,7 @@ class TensorVotingNode final : public Node {
   double x_ = 0;            // position of the vehicle, m in map
   double y_ = 0;
   std::int64_t now_ = 0;
+  bool is_over_ = false;  // the drive is: nothing has to be paced
   std::int64_t first_tick_ = 0;
   bool joined_ = false;                      // this worker sends heartbeats
   std::optional<std::int64_t> index_heard_;  // us: when the mapper made its first whole index of this epoch

@@ -68,6 +68,30 @@ TEST(TileSync, AnotherEpochIsNotAnswered) {
   EXPECT_TRUE(follower.announced(page));
 }
 
+TEST(TileSync, APromisedTileIsExpectedAndAskedForOnceSomeOfItIsThere) {
+  TileCatalog catalog("mapper", "MAP_POINTS");
+  TileFollower follower("voter", "MAP_POINTS");
+  catalog.start_epoch(1);
+  follower.start_epoch(1);
+  const auto announce = [&](std::int64_t now) {
+    for (const auto& page : catalog.make_index(now, 0, 0)) EXPECT_TRUE(follower.announced(page));
+  };
+  catalog.promise({2, 3});
+  announce(1'000'000);
+  EXPECT_TRUE(follower.is_behind({2, 3}));
+  EXPECT_EQ(follower.make_request(9'000'000).num_tiles, 0);
+  catalog.set_version({2, 3}, 5);
+  catalog.promise({2, 3});
+  announce(9'000'000);
+  EXPECT_EQ(follower.make_request(9'100'000).num_tiles, 0) << "it is probably on its way";
+  EXPECT_EQ(follower.make_request(9'300'000).num_tiles, 1);
+  catalog.request(follower.make_request(11'000'000));
+  EXPECT_EQ(catalog.num_requested(), 1U);
+  EXPECT_EQ(catalog.take_requests(9).size(), 1U);
+  follower.set_have({2, 3}, 5);
+  EXPECT_EQ(follower.behind(), 0U);
+}
+
 TEST(TileFollower, AsksAtOnceForWhatItCannotGoOnFrom) {
   TileFollower follower("map", "VOTED_POINTS");
   follower.start_epoch(1);

@@ -93,6 +93,33 @@ TEST_F(MapSenderTest, ALargeTileGoesOutInPartsAndLetsOthersInBetween) {
   EXPECT_EQ(first, (std::vector{0, 3000, 6000, 9000}));
 }
 
+TEST_F(MapSenderTest, AFarTileGoesOutWholeBeforeTheNext) {
+  for (int x = 20; x < 24; ++x) fill(map, {x, 0}, 8000);
+  start_epoch(1);
+  std::vector<int> order;
+  for (int turn = 0; turn < 20; ++turn) {
+    for (const map_points_t& m : sent_at_once()) order.push_back(m.tile_x);
+  }
+  EXPECT_EQ(order.size(), 12U);
+  EXPECT_TRUE(std::is_sorted(order.begin(), order.end())) << "listeners keep one at a time";
+}
+
+TEST_F(MapSenderTest, AnnouncesWhatIsStillToGoOut) {
+  fill(map, {0, 0}, 10);
+  fill(map, {50, 0}, 100);
+  start_epoch(1);
+  EXPECT_EQ(sender.num_outstanding(), 2U);
+  sender.send_index(now, {1, 1, 0});
+  bus.dispatch();
+  EXPECT_EQ(index.tile_x, (std::vector<std::int32_t>{0, 50}));
+  EXPECT_EQ(index.version, (std::vector<std::int32_t>{0, 0}));
+  (void)sent_at_once();
+  sender.send_index(now, {1, 1, 0});
+  bus.dispatch();
+  EXPECT_EQ(index.version, (std::vector<std::int32_t>{10, 100}));
+  EXPECT_EQ(sender.num_outstanding(), 0U);
+}
+
 /// What the disk does not return is tried again, ever less often.
 TEST_F(MapSenderTest, SendsLaterWhatCouldNotBeRead) {
   const test::TemporaryFolder folder;

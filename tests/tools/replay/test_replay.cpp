@@ -144,6 +144,23 @@ TEST_F(ReplayOnThreads, MakesTheSameMapWhereverFarTilesLie) {
   EXPECT_TRUE(in_memory.first == in_a_file.first) << "curbs, classes and all";
 }
 
+/// As after a loop was closed: the mapper sends all of its map in a new epoch, most of it far from the vehicle, and the
+/// drive ends meanwhile.
+TEST_F(ReplayOnThreads, TheMapIsWholeHoweverSoonTheDriveEndsAfterItIsSentAgain) {
+  make_town("20", "12");
+  const std::string site = "mapper.folder=" + (folder_ / "site").string();
+  (void)replay("1", site);
+  silence(6, 1000);
+  for (const char* const threads : {"2", "4"}) {
+    testing::internal::CaptureStdout();
+    (void)replay(threads, site, {"mapper.mode=extend", "tensor_voting.keep_radius=40"});
+    EXPECT_THAT(testing::internal::GetCapturedStdout(), ::testing::Not(::testing::HasSubstr("dropped.")));
+    const semantic_map::store::MapReader before(folder_ / "map1.db");
+    const semantic_map::store::MapReader after(folder_ / ("map" + std::string(threads) + ".db"));
+    EXPECT_THAT(after.tile_keys(), ::testing::IsSupersetOf(before.tile_keys()));
+  }
+}
+
 TEST_F(ReplayOnThreads, KeepsEachPartOfADriveThatTheMapperCouldNotJoin) {
   ASSERT_EQ(run(simulate::run_simulate,
                 {"simulate", "--straight", "500", "--seconds", "38", "--set", "speed=10", "--log", log_}),
