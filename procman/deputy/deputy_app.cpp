@@ -78,7 +78,7 @@ DeputyApp::DeputyApp(DeputyAppOptions options)
   OwnConfig own = read_own_config(options_);
   config_ = std::move(own.config);
   for (const config::Command& command : config_.commands) supervisor_.set(command);
-  bus_ = std::make_unique<LcmBus>(options_.lcm_url);
+  bus_ = std::make_unique<LcmBus>(options_.lcm_url, LcmBus::WithoutRoute::kWait);
   deputy_ =
       std::make_unique<Deputy>(DeputyOptions{.id = options_.id,
                                              .allow_list = options_.allow_any ? std::nullopt : std::optional(config_),
@@ -206,7 +206,9 @@ void DeputyApp::publish_status(std::int64_t now) {
   if (const auto dropped = console_.dropped() + errors_.dropped(); dropped > 0)
     report.counters.set("output.unprinted", dropped);
   report.faults = alarms_.faults(supervisor_.commands(), now);
-  if (heartbeats_.is_bus_silent(now))
+  if (const auto fault = bus_->fault())
+    report.faults.push_back(*fault);
+  else if (heartbeats_.is_bus_silent(now))
     report.faults.emplace_back("the bus carries nothing: curbstone doctor finds the reason");
   for (const auto& [id, seconds] : heartbeats_.overdue(now)) {
     if (const process::CommandState* state = supervisor_.find(id); state == nullptr || state->stopping) continue;
