@@ -174,21 +174,21 @@ void DeputyApp::run_doctor(std::int64_t now) {
   doctor_due_ = 0;
   try {
     doctor_.emplace(loop_, options_.config_file, options_.lcm_url,
-                    [this](auto findings) { on_findings(std::move(findings)); });
-  } catch (const std::system_error&) {
-    on_findings(std::nullopt);
+                    [this](DoctorResult result) { on_doctor(std::move(result)); });
+  } catch (const std::system_error& error) {
+    on_doctor({std::nullopt, error.what()});
   }
 }
 
-void DeputyApp::on_findings(std::optional<std::vector<std::string>> findings) {
+void DeputyApp::on_doctor(DoctorResult result) {
   doctor_done_ = true;
-  if (!findings) return log_line("doctor: `curbstone doctor` could not be run");
-  for (const std::string& finding : *findings) {  // printed as a fault of the status; this is for sheriffs
+  if (!result.findings) return log_line("doctor: `curbstone doctor` could not be run: " + result.why_not);
+  for (const std::string& finding : *result.findings) {  // printed as a fault of the status; this is for sheriffs
     if (std::find(findings_.begin(), findings_.end(), finding) == findings_.end())
       deputy_->output("", "doctor: " + finding + "\n");
   }
-  if (findings->empty()) log_line("doctor: all is well");
-  findings_ = std::move(*findings);
+  if (result.findings->empty()) log_line("doctor: all is well");
+  findings_ = std::move(*result.findings);
   if (!findings_.empty()) doctor_due_ = steady_clock() + kDoctorAgain;
 }
 
