@@ -239,6 +239,7 @@ bool DeputyApp::has_reached(const std::string& id, config::WaitStatus wanted) co
 
 void DeputyApp::begin() {
   begun_ = true;
+  heartbeats_.on_own_status(steady_clock());  // a bus that carries nothing from the start is silent, not the commands
   if (options_.doctor) doctor_due_ = steady_clock() + kDoctorAfter;
   notify_systemd("READY=1");
   log_line(fmt::format("deputy \"{}\" on {}, {} commands", options_.id, bus_->url(), config_.commands.size()));

@@ -41,7 +41,7 @@ wait $ekf)");
 
 TEST_F(LateNetwork, IsWaitedForByTheDeputyAndAllThatItStarts) {
   write_file(folder_ / "x.cfg",
-             R"(cmd "ekf" { exec = "curbstone-ekf"; deputy = "x"; auto_respawn = "true"; heartbeat = "2"; })");
+             R"(cmd "ekf" { exec = "curbstone-ekf"; deputy = "x"; auto_respawn = "true"; heartbeat = "4"; })");
   const auto result = run(fmt::format(R"(
 timeout --preserve-status -s INT 12 curbstone-deputy --config '{}' --start-all & deputy=$!
 sleep 4
