@@ -8,16 +8,16 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cstdlib>
-#include <deque>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
-#include <thread>
 #include <utility>
 #include <vector>
 
-#include "common/bus/bus_socket.hpp"
+#include "common/bus/message_queue.hpp"
+#include "common/bus/socket/bus_socket.hpp"
+#include "common/bus/socket/receiver_thread.hpp"
+#include "common/bus/socket/route_watch.hpp"
 #include "common/time/clock.hpp"
 
 namespace curbstone {
@@ -26,51 +26,50 @@ namespace {
 
 constexpr std::int64_t kTurn = 100'000;  // us of handling messages, after which timers run
 
-std::string effective_url(std::string url) {
-  if (!url.empty()) return url;
-  const char* from_environment = std::getenv("LCM_DEFAULT_URL");
-  return from_environment != nullptr && *from_environment != '\0' ? from_environment : LcmBus::kDefaultUrl;
-}
-
 }  // namespace
 
 class LcmBus::Impl {
  public:
-  explicit Impl(std::string url) : url_(effective_url(std::move(url))), threaded_(url_.starts_with("udpm")) {
-    if (threaded_) {
-      const auto address = parse_bus_url(url_);
-      if (!address) cannot_open("it is no URL of a multicast bus");
-      address_ = *address;
-      if (const auto error = route_error(address_)) cannot_open(*error);  // LCM says more, and falsely
-    } else if (!url_.starts_with("memq://") && !url_.starts_with("file://")) {
-      cannot_open("it is no URL of a bus");  // LCM has others, and aborts where it cannot connect to one
+  Impl(std::string url, WithoutRoute without_route)
+      : url_(effective_bus_url(std::move(url), kDefaultUrl)), threaded_(url_.starts_with("udpm")) {
+    if (!threaded_) {
+      if (!url_.starts_with("memq://") && !url_.starts_with("file://"))
+        cannot_open("it is no URL of a bus");  // LCM has others, and aborts where it cannot connect to one
+      open_now();
+      return;
     }
-    lcm_ = lcm_create(url_.c_str());
-    if (lcm_ == nullptr) cannot_open("LCM refuses it");
-    if (threaded_) {
-      wake_fd_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
-      stop_fd_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+    const auto address = parse_bus_url(url_);
+    if (!address) cannot_open("it is no URL of a multicast bus");
+    address_ = *address;
+    const auto error = route_error(address_);  // LCM says more, and falsely
+    if (error && without_route == WithoutRoute::kThrow) cannot_open(*error);
+    wake_fd_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+    if (!error) {
+      open_now();
+    } else {
+      why_closed_ = *error;
+      route_.emplace(address_, wake_fd_);
     }
   }
 
   ~Impl() {
-    if (receiver_.joinable()) {
-      const std::uint64_t one = 1;
-      (void)!write(stop_fd_, &one, sizeof one);
-      receiver_.join();
-    }
-    lcm_destroy(lcm_);
+    route_.reset();
+    receiver_.reset();
+    if (lcm_ != nullptr) lcm_destroy(lcm_);
     if (wake_fd_ >= 0) close(wake_fd_);
-    if (stop_fd_ >= 0) close(stop_fd_);
   }
 
   void publish(const std::string& channel, const void* data, int size) {
     const std::scoped_lock lock(publish_mutex_);
-    if (lcm_publish(lcm_, channel.c_str(), data, static_cast<unsigned>(size)) != 0) publish_failed_.fetch_add(1);
+    if (lcm_ == nullptr || lcm_publish(lcm_, channel.c_str(), data, static_cast<unsigned>(size)) != 0)
+      publish_failed_.fetch_add(1);
   }
 
   SubscriptionId subscribe(const std::string& channel, BytesHandler handler, QueueLimit limit) {
-    add({channel, {}, [handler = std::move(handler)](const Message& m) { handler(m.bytes.data(), m.size()); }, limit});
+    add({channel,
+         {},
+         [handler = std::move(handler)](const QueuedMessage& m) { handler(m.bytes.data(), m.size()); },
+         limit});
     pass_what_is_wanted();
     return subscriptions_.back()->id;
   }
@@ -82,7 +81,7 @@ class LcmBus::Impl {
     if ((*found)->handle != nullptr) lcm_unsubscribe(lcm_, (*found)->handle);
     {
       const std::scoped_lock lock(queue_mutex_);
-      std::erase_if(queue_, [&](const Message& waiting) { return waiting.subscription == found->get(); });
+      queue_.forget(**found);
       subscriptions_.erase(found);
     }
     pass_what_is_wanted();
@@ -91,7 +90,7 @@ class LcmBus::Impl {
   void tap(Tap tap, QueueLimit limit, const std::string& except) {
     add({{},
          except,
-         [tap = std::move(tap)](const Message& m) { tap(m.channel, m.bytes.data(), m.size(), m.utime); },
+         [tap = std::move(tap)](const QueuedMessage& m) { tap(m.channel, m.bytes.data(), m.size(), m.utime); },
          limit});
     has_tap_ = true;
     if (socket_) socket_->pass_all();
@@ -109,15 +108,14 @@ class LcmBus::Impl {
     }
     std::uint64_t ignored = 0;
     (void)!read(wake_fd_, &ignored, sizeof ignored);
+    if (lcm_ == nullptr) open_when_routed();
     const std::int64_t turn_ends = steady_clock() + kTurn;
     for (int budget = 1000; budget > 0 && steady_clock() < turn_ends; --budget) {
-      Message message;
+      QueuedMessage message;
       {
         const std::scoped_lock lock(queue_mutex_);
         if (queue_.empty()) return true;
-        message = std::move(queue_.front());
-        queue_.pop_front();
-        leaves(message);
+        message = queue_.pop();
       }
       call(message);
     }
@@ -142,32 +140,19 @@ class LcmBus::Impl {
   void count(std::string_view name) { counters_.add(name); }
 
   [[nodiscard]] const std::string& url() const { return url_; }
+  [[nodiscard]] std::optional<std::string> fault() const {
+    if (why_closed_.empty()) return std::nullopt;
+    return fmt::format(
+        "the bus {} is not open: {}: it opens as soon as multicast is routed (ip link set lo up; ip route replace "
+        "{}/32 "
+        "dev lo)",
+        url_, why_closed_, address_.group);
+  }
 
  private:
-  struct Subscription;
-  struct Message {
-    Subscription* subscription = nullptr;
-    std::string channel;
-    std::int64_t utime = 0;  // us, when the kernel received it
-    std::vector<std::uint8_t> bytes;
-    [[nodiscard]] int size() const { return static_cast<int>(bytes.size()); }
-  };
-  struct Subscription {
-    std::string channel;  // empty: a tap
-    std::string except;   // of a tap
-    std::function<void(const Message&)> handler;
-    QueueLimit limit;
-    std::size_t queued = 0;
-    std::size_t queued_bytes = 0;
+  struct Subscription : BusSubscription {
     Impl* bus = nullptr;
-    SubscriptionId id = 0;
     lcm_subscription_t* handle = nullptr;  // only without a socket of our own
-
-    [[nodiscard]] bool wants(std::string_view name) const { return channel.empty() ? name != except : name == channel; }
-    [[nodiscard]] bool is_full_for(std::size_t size) const {
-      return queued > 0 &&
-             (queued >= static_cast<std::size_t>(std::max(limit.capacity, 1)) || queued_bytes + size > limit.bytes);
-    }
   };
 
   [[noreturn]] void cannot_open(const std::string& why) const {
@@ -177,21 +162,54 @@ class LcmBus::Impl {
         url_, why, kDefaultUrl));
   }
 
-  void add(Subscription subscription) {
-    subscription.bus = this;
-    subscription.id = ++last_id_;
-    {
-      const std::scoped_lock lock(queue_mutex_);
-      subscriptions_.push_back(std::make_unique<Subscription>(std::move(subscription)));
-    }
-    if (!threaded_) return subscribe_to_lcm(*subscriptions_.back());
-    if (socket_) return;
+  void open_now() {
     try {
-      socket_.emplace(address_, large_channels_);
+      open();
     } catch (const std::runtime_error& error) {
       cannot_open(error.what());
     }
-    receiver_ = std::thread([this] { receive(); });
+  }
+
+  /// Throws std::runtime_error with the reason.
+  void open() {
+    lcm_ = lcm_create(url_.c_str());
+    if (lcm_ == nullptr) throw std::runtime_error("LCM refuses it");
+    if (threaded_ && !subscriptions_.empty()) listen();
+  }
+
+  /// Called when route_ has found one. It may be gone again.
+  void open_when_routed() {
+    if (route_error(address_)) return;
+    try {
+      open();
+      route_.reset();
+      why_closed_.clear();
+    } catch (const std::runtime_error& error) {
+      why_closed_ = error.what();
+      if (lcm_ != nullptr) lcm_destroy(std::exchange(lcm_, nullptr));
+    }
+  }
+
+  void listen() {
+    socket_.emplace(address_, large_channels_);
+    if (has_tap_) socket_->pass_all();
+    pass_what_is_wanted();
+    receiver_.emplace(*socket_, gather_, [this] { return receive_some(); });
+  }
+
+  void add(BusSubscription wanted) {
+    wanted.id = ++last_id_;
+    {
+      const std::scoped_lock lock(queue_mutex_);
+      subscriptions_.push_back(std::make_unique<Subscription>(Subscription{std::move(wanted), this}));
+    }
+    if (!threaded_) return subscribe_to_lcm(*subscriptions_.back());
+    if (lcm_ == nullptr || socket_) return;
+    try {
+      listen();
+    } catch (const std::runtime_error& error) {
+      cannot_open(error.what());
+    }
   }
 
   void pass_what_is_wanted() {
@@ -224,23 +242,11 @@ class LcmBus::Impl {
     subscription.bus->call({&subscription, channel, buffer->recv_utime, {bytes, bytes + buffer->data_size}});
   }
 
-  void call(const Message& message) {
+  void call(const QueuedMessage& message) {
     try {
       message.subscription->handler(message);
     } catch (const std::exception&) {
       counters_.add("faults.handler");
-    }
-  }
-
-  /// The loop of the receiver thread.
-  void receive() {
-    pollfd fds[2] = {{socket_->fd(), POLLIN, 0}, {stop_fd_, POLLIN, 0}};
-    while (true) {
-      if (poll(fds, 2, -1) < 0) continue;
-      if (fds[1].revents != 0) return;
-      if (receive_some()) continue;
-      const timespec gather{0, static_cast<long>(gather_.count()) * 1000};
-      if (gather_.count() > 0 && ppoll(&fds[1], 1, &gather, nullptr) > 0) return;
     }
   }
 
@@ -260,28 +266,12 @@ class LcmBus::Impl {
 
   void arrived(const BusSocket::Message& message) {
     for (const auto& subscription : subscriptions_) {
-      if (subscription->wants(message.channel)) enqueue(*subscription, message);
+      if (!subscription->wants(message.channel)) continue;
+      queue_drops_.fetch_add(queue_.push({subscription.get(),
+                                          std::string(message.channel),
+                                          message.utime,
+                                          {message.bytes.begin(), message.bytes.end()}}));
     }
-  }
-
-  /// Adds a message to the queue; drops the oldest ones of the subscription if its queue is full.
-  void enqueue(Subscription& subscription, const BusSocket::Message& message) {
-    while (subscription.is_full_for(message.bytes.size())) {
-      const auto oldest = std::find_if(queue_.begin(), queue_.end(),
-                                       [&](const Message& waiting) { return waiting.subscription == &subscription; });
-      leaves(*oldest);
-      queue_.erase(oldest);
-      queue_drops_.fetch_add(1);
-    }
-    queue_.push_back(
-        {&subscription, std::string(message.channel), message.utime, {message.bytes.begin(), message.bytes.end()}});
-    ++subscription.queued;
-    subscription.queued_bytes += message.bytes.size();
-  }
-
-  static void leaves(const Message& message) {
-    --message.subscription->queued;
-    message.subscription->queued_bytes -= message.bytes.size();
   }
 
   void wake() const {
@@ -294,7 +284,6 @@ class LcmBus::Impl {
   BusAddress address_;
   lcm_t* lcm_ = nullptr;
   int wake_fd_ = -1;
-  int stop_fd_ = -1;
   mutable std::optional<BusSocket> socket_;
   std::vector<std::string> large_channels_;
   std::chrono::microseconds gather_{0};
@@ -302,19 +291,25 @@ class LcmBus::Impl {
   SubscriptionId last_id_ = 0;
   std::mutex queue_mutex_;  // guards the two members below
   std::vector<std::unique_ptr<Subscription>> subscriptions_;
-  std::deque<Message> queue_;
+  MessageQueue queue_;
   std::mutex publish_mutex_;
   std::atomic<std::int64_t> queue_drops_ = 0;
   std::atomic<std::int64_t> publish_failed_ = 0;
   Counters counters_;
-  std::thread receiver_;
+  std::string why_closed_;  // empty: the bus is open
+  std::optional<RouteWatch> route_;
+  std::optional<ReceiverThread> receiver_;
 };
 
-LcmBus::LcmBus(std::string url) : impl_(std::make_unique<Impl>(std::move(url))) {}
+LcmBus::LcmBus(std::string url, WithoutRoute without_route)
+    : impl_(std::make_unique<Impl>(std::move(url), without_route)) {}
 LcmBus::~LcmBus() = default;
 
 bool LcmBus::handle(std::chrono::milliseconds timeout) {
   return impl_->handle(timeout);
+}
+std::optional<std::string> LcmBus::fault() const {
+  return impl_->fault();
 }
 int LcmBus::fd() const {
   return impl_->fd();

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,13 @@ namespace curbstone {
 /// that one thread.
 class LcmBus final : public Publisher, public Subscriber, public Tappable {
  public:
+  /// What to do while the host has no route to the bus.
+  enum class WithoutRoute {
+    kThrow,
+    kWait,  ///< nothing is sent or received until there is one; fault() says so
+  };
   /// An empty URL means $LCM_DEFAULT_URL, else kDefaultUrl. Throws std::runtime_error with the URL and what to check.
-  explicit LcmBus(std::string url = {});
+  explicit LcmBus(std::string url = {}, WithoutRoute without_route = WithoutRoute::kThrow);
   ~LcmBus() override;
   LcmBus(const LcmBus&) = delete;
   LcmBus& operator=(const LcmBus&) = delete;
@@ -42,6 +48,9 @@ class LcmBus final : public Publisher, public Subscriber, public Tappable {
   /// threads, and its sender pays for waking them. The first after a pause does not wait. To be called before the first
   /// subscription; less than a second. 0, the default: each as it comes.
   void gather(std::chrono::microseconds time);
+
+  /// Why the bus is not open yet, in words; nothing once it is.
+  [[nodiscard]] std::optional<std::string> fault() const;
 
   /// For poll(): readable when handle() has work. Call handle(0) then.
   [[nodiscard]] int fd() const;

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <curbstone/service_config_t.hpp>
 #include <fstream>
+#include <utility>
 
 #include "common/bus/lcm_bus.hpp"
 #include "common/config/command_line.hpp"
@@ -48,7 +49,7 @@ void run(service_config_t config, const std::string& url, const std::string& has
          const ServiceOptions& options, const std::function<std::unique_ptr<Node>(ServiceContext&)>& make) {
   if (nice != 0) set_niceness(nice);
   EventLoop loop;
-  LcmBus bus(url);
+  LcmBus bus(url, LcmBus::WithoutRoute::kWait);
   bus.gather(options.gather);
   ServiceContext context{config.service, bus.url(), bus, bus, loop, [&bus](std::vector<std::string> channels) {
                            bus.receive_large(std::move(channels));
@@ -77,10 +78,15 @@ void run(service_config_t config, const std::string& url, const std::string& has
     if (clock.steps() != steps) node->clock_was_set(clock.recent().value_or(0));
     node->tick(now);
   });
-  const auto publish_status = [&] { status.publish(bus, bus.counters(), node->report()); };
+  const auto report = [&] {
+    NodeReport all = node->report();
+    if (auto fault = bus.fault()) all.faults.push_back(std::move(*fault));
+    return all;
+  };
+  const auto publish_status = [&] { status.publish(bus, bus.counters(), report()); };
   loop.every(std::chrono::milliseconds(1000), publish_status);
   loop.every(kLookPeriod, [&] {
-    if (status.faults_changed(node->report())) publish_status();
+    if (status.faults_changed(report())) publish_status();
   });
   loop.every(kConfigPeriod, publish_config);
   loop.every(kMemoryPeriod, [] { return_unused_memory(); });

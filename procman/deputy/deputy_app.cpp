@@ -78,7 +78,7 @@ DeputyApp::DeputyApp(DeputyAppOptions options)
   OwnConfig own = read_own_config(options_);
   config_ = std::move(own.config);
   for (const config::Command& command : config_.commands) supervisor_.set(command);
-  bus_ = std::make_unique<LcmBus>(options_.lcm_url);
+  bus_ = std::make_unique<LcmBus>(options_.lcm_url, LcmBus::WithoutRoute::kWait);
   deputy_ =
       std::make_unique<Deputy>(DeputyOptions{.id = options_.id,
                                              .allow_list = options_.allow_any ? std::nullopt : std::optional(config_),
@@ -174,21 +174,21 @@ void DeputyApp::run_doctor(std::int64_t now) {
   doctor_due_ = 0;
   try {
     doctor_.emplace(loop_, options_.config_file, options_.lcm_url,
-                    [this](auto findings) { on_findings(std::move(findings)); });
-  } catch (const std::system_error&) {
-    on_findings(std::nullopt);
+                    [this](DoctorResult result) { on_doctor(std::move(result)); });
+  } catch (const std::system_error& error) {
+    on_doctor({std::nullopt, error.what()});
   }
 }
 
-void DeputyApp::on_findings(std::optional<std::vector<std::string>> findings) {
+void DeputyApp::on_doctor(DoctorResult result) {
   doctor_done_ = true;
-  if (!findings) return log_line("doctor: `curbstone doctor` could not be run");
-  for (const std::string& finding : *findings) {  // printed as a fault of the status; this is for sheriffs
+  if (!result.findings) return log_line("doctor: `curbstone doctor` could not be run: " + result.why_not);
+  for (const std::string& finding : *result.findings) {  // printed as a fault of the status; this is for sheriffs
     if (std::find(findings_.begin(), findings_.end(), finding) == findings_.end())
       deputy_->output("", "doctor: " + finding + "\n");
   }
-  if (findings->empty()) log_line("doctor: all is well");
-  findings_ = std::move(*findings);
+  if (result.findings->empty()) log_line("doctor: all is well");
+  findings_ = std::move(*result.findings);
   if (!findings_.empty()) doctor_due_ = steady_clock() + kDoctorAgain;
 }
 
@@ -206,7 +206,9 @@ void DeputyApp::publish_status(std::int64_t now) {
   if (const auto dropped = console_.dropped() + errors_.dropped(); dropped > 0)
     report.counters.set("output.unprinted", dropped);
   report.faults = alarms_.faults(supervisor_.commands(), now);
-  if (heartbeats_.is_bus_silent(now))
+  if (const auto fault = bus_->fault())
+    report.faults.push_back(*fault);
+  else if (heartbeats_.is_bus_silent(now))
     report.faults.emplace_back("the bus carries nothing: curbstone doctor finds the reason");
   for (const auto& [id, seconds] : heartbeats_.overdue(now)) {
     if (const process::CommandState* state = supervisor_.find(id); state == nullptr || state->stopping) continue;
@@ -237,6 +239,7 @@ bool DeputyApp::has_reached(const std::string& id, config::WaitStatus wanted) co
 
 void DeputyApp::begin() {
   begun_ = true;
+  heartbeats_.on_own_status(steady_clock());  // a bus that carries nothing from the start is silent, not the commands
   if (options_.doctor) doctor_due_ = steady_clock() + kDoctorAfter;
   notify_systemd("READY=1");
   log_line(fmt::format("deputy \"{}\" on {}, {} commands", options_.id, bus_->url(), config_.commands.size()));

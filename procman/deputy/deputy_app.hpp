@@ -44,7 +44,7 @@ class DeputyApp {
   void on_status(const service_status_t& status);
   void replace_hung(std::int64_t now);
   void run_doctor(std::int64_t now);
-  void on_findings(std::optional<std::vector<std::string>> findings);
+  void on_doctor(DoctorResult result);
   void publish_status(std::int64_t now);
   [[nodiscard]] bool is_up(const std::string& id) const;
   [[nodiscard]] bool has_reached(const std::string& id, config::WaitStatus wanted) const;

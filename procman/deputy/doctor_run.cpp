@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <nlohmann/json.hpp>
@@ -21,9 +23,10 @@ namespace {
 
 constexpr std::size_t kMaxText = 1 << 20;
 
-/// Starts it with an empty signal mask: the deputy blocks the signals that it takes by signalfd(2). Returns 0 if that
-/// fails.
-pid_t start_program(const std::vector<std::string>& words, int output) {
+constexpr std::size_t kMaxErrors = 4096;  // bytes
+
+/// Starts it with an empty signal mask: the deputy blocks the signals that it takes by signalfd(2). Returns 0 or errno.
+int start_program(const std::vector<std::string>& words, int output, int errors, pid_t& child) {
   std::vector<char*> argv;
   argv.reserve(words.size() + 1);
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));  // POSIX declares argv so
@@ -31,18 +34,18 @@ pid_t start_program(const std::vector<std::string>& words, int output) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  if (errors >= 0) posix_spawn_file_actions_adddup2(&actions, errors, STDERR_FILENO);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t none;
   sigemptyset(&none);
   posix_spawnattr_setsigmask(&attributes, &none);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
-  pid_t child = 0;
-  if (posix_spawnp(&child, argv[0], &actions, &attributes, argv.data(), environ) != 0) child = 0;
+  const int error = posix_spawnp(&child, argv[0], &actions, &attributes, argv.data(), environ);
+  if (error != 0) child = 0;
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
-  return child;
+  return error;
 }
 
 }  // namespace
@@ -71,7 +74,9 @@ DoctorRun::DoctorRun(EventLoop& loop, const std::string& procman_config, const s
   std::vector<std::string> words = {"curbstone", "doctor", "--json", "--procman", procman_config};
   if (const char* config = getenv("CURBSTONE_CONFIG")) words.insert(words.end(), {"--config", config});
   if (!lcm_url.empty()) words.insert(words.end(), {"--lcm-url", lcm_url});
-  pid_ = start_program(words, input.get());
+  errors_ = process::FileDescriptor(memfd_create("doctor", MFD_CLOEXEC));
+  if (const int error = start_program(words, input.get(), errors_.get(), pid_); error != 0)
+    start_error_ = std::generic_category().message(error);
   loop_.watch(output_.get(), [this] { read_on(); });  // at its end at once, if nothing was started
 }
 
@@ -91,7 +96,23 @@ void DoctorRun::read_on() {
   loop_.unwatch(output_.get());
   pid_ = 0;
   const Done done = done_;  // it may destroy this object
-  done(doctor_findings(text_));
+  DoctorResult result{doctor_findings(text_), {}};
+  if (!result.findings) result.why_not = why_without_report();
+  done(std::move(result));
+}
+
+/// The last line of what it said, which is the error.
+std::string DoctorRun::why_without_report() const {
+  if (!start_error_.empty()) return "curbstone: " + start_error_;
+  std::string said(kMaxErrors, '\0');
+  const off_t end = lseek(errors_.get(), 0, SEEK_END);
+  const off_t begin = std::max<off_t>(end - static_cast<off_t>(kMaxErrors), 0);
+  const ssize_t size = pread(errors_.get(), said.data(), said.size(), begin);
+  said.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
+  while (!said.empty() && said.back() == '\n') said.pop_back();
+  if (const auto line = said.rfind('\n'); line != std::string::npos) said.erase(0, line + 1);
+  if (!said.empty()) return said;
+  return text_.empty() ? "it ended without a report" : "what it printed is no report";
 }
 
 }  // namespace curbstone::procman::deputy

@@ -15,12 +15,16 @@ namespace curbstone::procman::deputy {
 /// The findings in the JSON of `curbstone doctor`, one line each with its fix; nothing if the text is not such JSON.
 [[nodiscard]] std::optional<std::vector<std::string>> doctor_findings(const std::string& json);
 
+struct DoctorResult {
+  std::optional<std::vector<std::string>> findings;  ///< nothing if doctor could not be run
+  std::string why_not;                               ///< the reason, in words
+};
+
 /// Runs `curbstone doctor` in the background. Its process is killed with the owner. The loop must outlive it.
 class DoctorRun {
  public:
-  /// `done` receives the findings, or nothing if doctor could not be run; the owner may destroy this object in it.
-  /// Throws std::system_error if no pipe can be created.
-  using Done = std::function<void(std::optional<std::vector<std::string>> findings)>;
+  /// The owner may destroy this object in `done`. Throws std::system_error if no pipe can be created.
+  using Done = std::function<void(DoctorResult result)>;
   DoctorRun(EventLoop& loop, const std::string& procman_config, const std::string& lcm_url, Done done);
   ~DoctorRun();
   DoctorRun(const DoctorRun&) = delete;
@@ -28,12 +32,15 @@ class DoctorRun {
 
  private:
   void read_on();
+  [[nodiscard]] std::string why_without_report() const;
 
   EventLoop& loop_;
   Done done_;
   pid_t pid_ = 0;  // 0: not running
   process::FileDescriptor output_;
+  process::FileDescriptor errors_;  // a file in memory
   std::string text_;
+  std::string start_error_;
 };
 
 }  // namespace curbstone::procman::deputy

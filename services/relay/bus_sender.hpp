@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "common/bus/bus_address.hpp"
+#include "common/bus/socket/bus_address.hpp"
 
 namespace curbstone::relay {
 

@@ -4,9 +4,9 @@
 #include <set>
 #include <string>
 
-#include "common/bus/bus_address.hpp"
-#include "common/bus/bus_socket.hpp"
 #include "common/bus/node.hpp"
+#include "common/bus/socket/bus_address.hpp"
+#include "common/bus/socket/bus_socket.hpp"
 #include "services/relay/bus_sender.hpp"
 #include "services/relay/peer_links.hpp"
 #include "services/relay/relay_config.hpp"

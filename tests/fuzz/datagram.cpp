@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/bus/channel_filter.hpp"
+#include "common/bus/socket/channel_filter.hpp"
 #include "tests/fuzz/support/input.hpp"
 #include "tests/fuzz/support/require.hpp"
 

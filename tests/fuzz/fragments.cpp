@@ -1,7 +1,7 @@
 // Fragments of large LCM messages, from several senders, at any times.
 #include <array>
 
-#include "common/bus/fragment_assembler.hpp"
+#include "common/bus/socket/fragment_assembler.hpp"
 #include "tests/fuzz/support/input.hpp"
 #include "tests/fuzz/support/require.hpp"
 

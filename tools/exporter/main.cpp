@@ -4,6 +4,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 
 #include "common/bus/lcm_bus.hpp"
 #include "common/config/command_line.hpp"
@@ -28,7 +29,7 @@ void limit_clients() {
 void run_exporter(const std::string& url, const exporter::ServerAddress& address) {
   limit_clients();
   EventLoop loop;  // blocks the signals before there are threads
-  LcmBus bus(url);
+  LcmBus bus(url, LcmBus::WithoutRoute::kWait);
   std::mutex mutex;
   spy::board::BusBoard board("");
   bus.tap(
@@ -41,6 +42,11 @@ void run_exporter(const std::string& url, const exporter::ServerAddress& address
   NodeReport report;
   RetryBackoff retry;
   std::unique_ptr<exporter::MetricsServer> server;
+  const auto with_bus = [&] {
+    NodeReport all = report;
+    if (auto fault = bus.fault()) all.faults.push_back(std::move(*fault));
+    return all;
+  };
   const auto listen = [&] {
     if (server || !retry.due(steady_clock())) return;
     try {
@@ -54,11 +60,11 @@ void run_exporter(const std::string& url, const exporter::ServerAddress& address
       report.faults = {error.what()};
       retry.failed(steady_clock());
     }
-    if (reporter.faults_changed(report)) reporter.publish(bus, bus.counters(), report);
+    if (reporter.faults_changed(with_bus())) reporter.publish(bus, bus.counters(), with_bus());
   };
   listen();
   loop.every(std::chrono::milliseconds(100), listen);
-  loop.every(std::chrono::milliseconds(1000), [&] { reporter.publish(bus, bus.counters(), report); });
+  loop.every(std::chrono::milliseconds(1000), [&] { reporter.publish(bus, bus.counters(), with_bus()); });
   loop.watch(bus.fd(), [&] { bus.handle(std::chrono::milliseconds(0)); });
   loop.run();
 }

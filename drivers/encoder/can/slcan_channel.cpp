@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <utility>
@@ -124,7 +125,13 @@ void SlcanChannel::send(const CanFrame& frame) {
 
 void SlcanChannel::tick(std::int64_t now) {
   const auto waited = [&](std::int64_t period) { return has_passed(period, since_, now); };
+  // The host's clock was set, or the host slept: that was no silence of the adapter.
+  const std::int64_t pause = last_tick_ != 0 ? now - last_tick_ : 0;
   last_tick_ = now;
+  if (pause > kSilence / 2) {
+    last_frame_ = std::min(last_frame_ + pause, now);
+    last_answer_ = std::min(last_answer_ + pause, now);
+  }
   switch (state_) {
     case State::kIdle:
       start(now);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -51,6 +52,8 @@ void WitConfigurator::start(std::int64_t now) {
 }
 
 void WitConfigurator::tick(std::int64_t now) {
+  // The host's clock was set, or the host slept: that was no silence of the device.
+  if (now - std::exchange(last_tick_, now) > settings_.patience / 2) last_usable_ = std::max(last_usable_, now);
   if (!started_) start(now);
   if (!settings_.enabled) return;
   if (next_ < commands_.size()) {

@@ -46,6 +46,7 @@ class WitConfigurator {
   bool started_ = false;
   std::size_t next_ = 0;          // command
   std::int64_t sent_ = 0;         // us, of the previous command
+  std::int64_t last_tick_ = 0;    // us
   std::int64_t last_usable_ = 0;  // us, else of the end of the set-up
   std::string fault_;
   Counters counters_;

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <utility>
 
 #include "common/bytes/big_endian.hpp"
 
@@ -149,6 +151,8 @@ void MtConfigurator::check_outputs(std::span<const std::uint8_t> effective) {
 }
 
 void MtConfigurator::tick(std::int64_t now) {
+  // The host's clock was set, or the host slept: that was no silence of the device.
+  if (now - std::exchange(last_tick_, now) > settings_.patience / 2) last_usable_ = std::max(last_usable_, now);
   if (!started_) return start(now);
   if (now - error_at_ > kErrorRemembered || now < error_at_) error_.clear();
   if (!settings_.enabled) return;

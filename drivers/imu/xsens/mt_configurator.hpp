@@ -56,6 +56,7 @@ class MtConfigurator {
   Step step_ = Step::kGotoConfig;
   bool started_ = false;
   std::int64_t sent_ = 0;         // us, of the latest command
+  std::int64_t last_tick_ = 0;    // us
   std::int64_t last_usable_ = 0;  // us, of the latest usable sample, else of the start of measurement
   int tries_ = 0;                 // of the current command
   int unanswered_ = 0;            // commands since the last acknowledgement

@@ -16,7 +16,10 @@ constexpr std::int64_t kCorrection = 5'000'000;  // us: MAP_TRAJECTORY comes so 
 }  // namespace
 
 bool EarlierDrive::correct(std::int64_t first_utime) {
-  if (!kept_ || std::abs(first_utime - kept_->first_utime) > kFirstPose) return false;
+  // Two drives may begin within a second of a clock that starts in 1970, but not within a microsecond.
+  if (!kept_ || std::abs(first_utime - kept_->first_utime) > (kept_->moved ? kFirstPose : 0)) return false;
+  remove_superseded();
+  superseded_ = std::move(kept_->superseded);
   remove_superseded();
   superseded_ = std::move(kept_->file);
   kept_.reset();
@@ -29,7 +32,7 @@ void EarlierDrive::remove_superseded() {
 }
 
 std::string EarlierDrive::fault(std::int64_t utime) const {
-  if (!kept_ || utime - kept_->moved <= kCorrection) return {};
+  if (!kept_ || !kept_->moved || utime - *kept_->moved <= kCorrection) return {};
   return fmt::format("the mapper began a new map in mid-drive; what was mapped before is kept in {}", kept_->file);
 }
 

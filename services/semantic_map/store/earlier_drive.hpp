@@ -13,8 +13,8 @@ namespace curbstone::semantic_map::store {
 ///
 /// | event | kept | superseded |
 /// |---|---|---|
-/// | move_aside() | the new file | unchanged |
-/// | correct(), the same drive as `kept` | none | what was `kept`; the former one is removed from the disk |
+/// | move_aside(), move_aside_of_predecessor() | the new file | unchanged |
+/// | correct(), the same drive as `kept` | none | what was `kept`; the former ones are removed from the disk |
 /// | correct(), another drive | unchanged | unchanged |
 /// | adopt(), after a restart | unchanged | the given one, if there was none |
 /// | remove_superseded() | unchanged | none; removed from the disk |
@@ -24,7 +24,12 @@ class EarlierDrive {
  public:
   /// The stored drive goes to `file`, as another began at `utime`, us. `first_utime`: us, of its first pose.
   void move_aside(std::string file, std::int64_t first_utime, std::int64_t utime) {
-    kept_ = Kept{std::move(file), first_utime, utime};
+    kept_ = Kept{std::move(file), {}, first_utime, utime};
+  }
+  /// The same at the first pose after a restart of the service: the drive is an earlier one, or that of a mapper which
+  /// was killed as well, and whose successor sends it again. `superseded`: the file that its map was going to replace.
+  void move_aside_of_predecessor(std::string file, std::int64_t first_utime, std::string superseded) {
+    kept_ = Kept{std::move(file), std::move(superseded), first_utime, std::nullopt};
   }
   /// The mapper has corrected the whole drive from `first_utime`, us, on. True if `kept` was the same drive: it is
   /// superseded now.
@@ -45,8 +50,9 @@ class EarlierDrive {
  private:
   struct Kept {
     std::string file;
-    std::int64_t first_utime;  // us
-    std::int64_t moved;        // us, when it was moved aside
+    std::string superseded;             // what its map was going to replace; empty: nothing
+    std::int64_t first_utime;           // us
+    std::optional<std::int64_t> moved;  // us, when it was moved aside in mid-drive
   };
   std::optional<Kept> kept_;
   std::string superseded_;

@@ -7,7 +7,10 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <fstream>
 #include <span>
 #include <string>
 #include <string_view>
@@ -23,22 +26,30 @@ namespace curbstone::semantic_map::store {
 inline constexpr std::int32_t kApplicationId = 0x43555242;  // "CURB"
 inline constexpr int kBusyTimeout = 2000;                   // ms
 
+/// A file system that has lost power may leave zeros where data was not written yet.
+inline bool begins_with_zeros(const std::string& path) {
+  std::array<char, 16> head{};  // as long as SQLite's magic
+  std::ifstream file(path, std::ios::binary);
+  return file.read(head.data(), head.size()) && std::ranges::all_of(head, [](char c) { return c == 0; });
+}
+
 /// Runs `work`; an SQLite error becomes one line that names the file.
 template <class Work>
 auto for_file(const std::string& path, Work work) {
   try {
     return work();
   } catch (const SQLite::Exception& error) {
-    std::string hint;
     const int code = error.getErrorCode() & 0xff;  // without what extends it
+    if (code == SQLITE_CORRUPT || (code == SQLITE_NOTADB && begins_with_zeros(path)))
+      throw DamagedMapFile(
+          fmt::format("{}: {} (damaged: move it away, or mend it with 'sqlite3 FILE .recover')", path, error.what()));
     if (code == SQLITE_NOTADB) {
       const std::string_view kind = file_kind(path);
       throw WrongMapFile(kind.empty() ? fmt::format("{}: {} (not a curbstone map)", path, error.what())
                                       : fmt::format("{}: not a curbstone map, but {}", path, kind));
     }
-    if (code == SQLITE_CORRUPT) hint = " (damaged: move it away, or mend it with 'sqlite3 FILE .recover')";
-    if (code == SQLITE_FULL) hint = " (no room on the disk)";
-    throw MapStoreError(fmt::format("{}: {}{}", path, error.what(), hint));
+    throw MapStoreError(
+        fmt::format("{}: {}{}", path, error.what(), code == SQLITE_FULL ? " (no room on the disk)" : ""));
   }
 }
 

@@ -1,8 +1,12 @@
 #include "services/semantic_map/store/map_keeper.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <utility>
+
+#include "services/semantic_map/store/damaged_file.hpp"
 
 namespace curbstone::semantic_map::store {
 
@@ -15,16 +19,26 @@ constexpr std::size_t kMaxPoses = 200'000;         // kept while the disk is ful
 }  // namespace
 
 MapKeeper::MapKeeper(const std::string& path, std::size_t max_pending_tiles, bool keep_earlier, UnusableFile unusable)
-    : path_(path), max_pending_(max_pending_tiles), keep_earlier_(keep_earlier) {
+    : path_(path), max_pending_(max_pending_tiles), keep_earlier_(keep_earlier), unusable_(unusable) {
   if (path.empty()) return;
   state_ = State::kIdle;
   try {
-    store_ = std::make_unique<MapStore>(path);
+    open_store();
   } catch (const WrongMapFile&) {
     throw;
   } catch (const MapStoreError& error) {
     if (unusable == UnusableFile::kThrows) throw;
     note_error(error.what());
+  }
+}
+
+void MapKeeper::open_store() {
+  try {
+    store_ = std::make_unique<MapStore>(path_);
+  } catch (const DamagedMapFile&) {
+    if (unusable_ == UnusableFile::kThrows) throw;
+    damaged_ = set_damaged_aside(path_);
+    store_ = std::make_unique<MapStore>(path_);
   }
 }
 
@@ -37,7 +51,7 @@ void MapKeeper::note_error(const std::string& error) {
 bool MapKeeper::has_store() {
   if (store_) return true;
   try {
-    store_ = std::make_unique<MapStore>(path_);
+    open_store();
   } catch (const MapStoreError& error) {
     note_error(error.what());
     return false;
@@ -96,8 +110,11 @@ std::string MapKeeper::make_room(std::int64_t utime) {
   }
   if (!pending_.keep_in.empty()) return pending_.keep_in;  // the disk is full
   if (store_->first_utime() == 0) return {};
-  const std::string file = store_->free_name();
-  if (state_ == State::kRecording) earlier_.move_aside(file, store_->first_utime(), utime);
+  std::string file = store_->free_name();
+  if (state_ == State::kRecording)
+    earlier_.move_aside(file, store_->first_utime(), utime);
+  else
+    earlier_.move_aside_of_predecessor(file, store_->first_utime(), store_->superseded());
   return file;
 }
 
@@ -153,6 +170,9 @@ void MapKeeper::begin_writing() {
       link_under_way();
       store_->write(batch_under_way());
       return {};
+    } catch (const DamagedMapFile& error) {
+      is_damaged_ = true;
+      return error.what();
     } catch (const MapStoreError& error) {
       return error.what();
     }
@@ -196,8 +216,21 @@ void MapKeeper::await_writing() {
   } else {
     note_error(error);
     take_back();
+    if (std::exchange(is_damaged_, false) && pending_.clear) leave_damaged();
   }
   under_way_ = {};
+}
+
+/// The earlier drive cannot be moved aside, as its file is damaged: the file itself is. Nothing of this drive is in it.
+void MapKeeper::leave_damaged() {
+  if (unusable_ == UnusableFile::kThrows) return;
+  store_.reset();
+  try {
+    damaged_ = set_damaged_aside(path_);
+    pending_.keep_in.clear();
+  } catch (const MapStoreError& error) {
+    note_error(error.what());
+  }
 }
 
 /// Makes a failed batch pending again, except what has changed meanwhile.
@@ -214,6 +247,11 @@ std::string MapKeeper::fault() const {
   if (!fault_.empty()) return fault_;
   if (restored_utime_ != 0 && newest_utime_ - restored_utime_ < kRestoredFor)
     return path_ + ": the file was deleted during the drive, and has been written again with all that it had";
+  if (!damaged_.empty())
+    return fmt::format(
+        "{}: the file was damaged, as by a power cut, and another is begun; what can be read of it: "
+        "sqlite3 {} .recover",
+        path_, damaged_);
   return earlier_.fault(newest_utime_);
 }
 

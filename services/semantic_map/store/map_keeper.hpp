@@ -42,9 +42,9 @@ enum class UnusableFile { kThrows, kWaits };
 class MapKeeper {
  public:
   /// Opens the file: throws MapStoreError. Empty path: nothing is stored. `keep_earlier`: an earlier drive in the file
-  /// is moved to a file beside it when another begins (MapStore::free_name). With
-  /// UnusableFile::kWaits a file that cannot be used is a fault instead, and write() tries it again, unless it is a
-  /// WrongMapFile.
+  /// is moved to a file beside it when another begins (MapStore::free_name). With UnusableFile::kWaits a damaged file
+  /// is set aside with a fault (set_damaged_aside()), and another is begun. Any other file that cannot be used is a
+  /// fault, and write() tries it again, unless it is a WrongMapFile.
   MapKeeper(const std::string& path, std::size_t max_pending_tiles, bool keep_earlier = true,
             UnusableFile unusable = UnusableFile::kThrows);
   /// Waits for the current transaction; pending changes are lost without finish().
@@ -99,11 +99,13 @@ class MapKeeper {
     std::optional<std::string> superseded;
   };
   [[nodiscard]] bool has_store();
+  void open_store();
   void note_error(const std::string& error);
   void begin_writing();
   void link_under_way();
   void await_writing();
   void take_back();
+  void leave_damaged();
   [[nodiscard]] std::shared_ptr<const StoredLines> read_lines() const;
   [[nodiscard]] bool continues_stored(std::int32_t epoch, std::int64_t utime) const;
   [[nodiscard]] std::string make_room(std::int64_t utime);
@@ -116,6 +118,7 @@ class MapKeeper {
   std::shared_ptr<const StoredLines> previous_lines_;
   std::size_t max_pending_;
   bool keep_earlier_;
+  UnusableFile unusable_;
   EarlierDrive earlier_;
   std::int32_t epoch_ = 0;
   std::int64_t newest_utime_ = 0;    // of a pose
@@ -123,7 +126,9 @@ class MapKeeper {
   Changes pending_;
   Changes under_way_;                 // must not be touched while it is written
   std::future<std::string> writing_;  // the error
+  bool is_damaged_ = false;           // set by the thread that writes
   std::string fault_;
+  std::string damaged_;  // file that was set aside
   std::int64_t linking_took_ = 0;
   Counters counters_;
 };

@@ -46,6 +46,12 @@ class WrongMapFile : public MapStoreError {
   using MapStoreError::MapStoreError;
 };
 
+/// It was a map, or the beginning of one: the disk has lost a part of it, as in a power cut.
+class DamagedMapFile : public MapStoreError {
+ public:
+  using MapStoreError::MapStoreError;
+};
+
 /// Reads a map, also while a service writes it. Never changes the file. All functions throw MapStoreError.
 class MapReader {
  public:

@@ -1,4 +1,4 @@
-#include "common/bus/bus_address.hpp"
+#include "common/bus/socket/bus_address.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "common/bus/bus_socket.hpp"
+#include "common/bus/socket/bus_socket.hpp"
 
 #include <gtest/gtest.h>
 #include <poll.h>

@@ -84,6 +84,16 @@ TEST_F(ImuNodeTest, SetsUpANewDeviceAndPublishesWhatItMeasures) {
   }
 }
 
+/// Setting it up again would lose a moment.
+TEST_F(ImuNodeTest, AClockThatIsSetForwardIsNoSilenceOfTheDevice) {
+  make_node();
+  deliver(now_, device_.power_on(now_));
+  run_for(2'000'000);
+  now_ += 3'600'000'000;  // us; the next tick comes before the next sample
+  run_for(1'000'000);
+  EXPECT_EQ(count("device.reconfigured"), 0);
+}
+
 TEST_F(ImuNodeTest, FindsADeviceThatIsAlreadyMeasuring) {
   device_.power_on(now_);
   now_ += 5'000'000;

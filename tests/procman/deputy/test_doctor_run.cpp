@@ -39,12 +39,12 @@ class DoctorRunTest : public ::testing::Test {
     chmod((folder_ / "curbstone").c_str(), 0755);
     setenv("PATH", (folder_.path().string() + ":" + path_).c_str(), 1);
   }
-  /// What came out of a run; an empty optional within an empty one: it did not end.
-  std::optional<Findings> run() {
+  /// What came out of a run; nothing: it did not end.
+  std::optional<DoctorResult> run() {
     EventLoop loop;
-    std::optional<Findings> result;
-    const DoctorRun doctor(loop, "/etc/x.cfg", "udpm://y", [&](Findings findings) {
-      result = std::move(findings);
+    std::optional<DoctorResult> result;
+    const DoctorRun doctor(loop, "/etc/x.cfg", "udpm://y", [&](DoctorResult given) {
+      result = std::move(given);
       loop.stop();
     });
     loop.every(std::chrono::seconds(60), [&] { loop.stop(); });
@@ -59,21 +59,27 @@ TEST_F(DoctorRunTest, GivesWhatTheProgramFoundWithTheConfigOfTheDeputy) {
   program(R"(echo '{"checks": [{"kind": "finding", "check": "words", "what": "'"$*"'", "fix": "none"}]}'; exit 1)");
   setenv("CURBSTONE_CONFIG", "/etc/x.yaml", 1);
   const auto result = run();
-  ASSERT_TRUE(result && *result);
-  EXPECT_THAT(**result,
+  ASSERT_TRUE(result && result->findings);
+  EXPECT_THAT(*result->findings,
               ElementsAre("words: doctor --json --procman /etc/x.cfg --config /etc/x.yaml --lcm-url udpm://y; "
                           "fix: none"));
 }
 
-TEST_F(DoctorRunTest, EndsWithoutFindingsWhenThereIsNoSuchProgramOrItDies) {
+TEST_F(DoctorRunTest, SaysWhyThereAreNoFindings) {
+  const auto why_not = [this] {
+    const auto result = run();
+    EXPECT_TRUE(result);
+    EXPECT_FALSE(result->findings);
+    return result->why_not;
+  };
   program("kill -9 $$");
-  auto result = run();
-  ASSERT_TRUE(result);
-  EXPECT_FALSE(*result);
+  EXPECT_EQ(why_not(), "it ended without a report");
+  program("echo 'that' >&2; echo 'this is wrong' >&2; exit 2");
+  EXPECT_EQ(why_not(), "this is wrong");
+  program("echo no");
+  EXPECT_EQ(why_not(), "what it printed is no report");
   setenv("PATH", "/nowhere", 1);
-  result = run();
-  ASSERT_TRUE(result);
-  EXPECT_FALSE(*result);
+  EXPECT_EQ(why_not(), "curbstone: No such file or directory");
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "common/bus/bus_address.hpp"
+#include "common/bus/socket/bus_address.hpp"
 #include "tools/doctor/checks/verdict.hpp"
 
 namespace curbstone::doctor::checks {

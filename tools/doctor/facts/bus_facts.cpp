@@ -1,9 +1,9 @@
 #include "tools/doctor/facts/bus_facts.hpp"
 
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "common/bus/lcm_bus.hpp"
+#include "common/bus/socket/bus_address.hpp"
 #include "common/json/json_text.hpp"
 #include "tools/doctor/facts/program_output.hpp"
 
@@ -22,9 +22,7 @@ nlohmann::json ip_json(std::vector<std::string> words) {
 }  // namespace
 
 std::string bus_url(const std::string& url) {
-  if (!url.empty()) return url;
-  const char* const from_environment = std::getenv("LCM_DEFAULT_URL");
-  return from_environment != nullptr && *from_environment != '\0' ? from_environment : LcmBus::kDefaultUrl;
+  return effective_bus_url(url, LcmBus::kDefaultUrl);
 }
 
 std::optional<checks::RouteFacts> read_route(const std::string& address) {

@@ -103,6 +103,20 @@ TEST_F(SlcanChannelTest, ASilentAdapterIsReportedAndOpenedAgain) {
   EXPECT_EQ(sent(), "\r\rC\r");
 }
 
+/// NTP sets a clock that began in 1970, in mid-drive: closing the channel would lose a moment of the wheels.
+TEST_F(SlcanChannelTest, AClockThatIsSetForwardIsNoSilence) {
+  constexpr std::int64_t kYears = 1'800'000'000'000'000;
+  open();
+  answer("t1811AA\r");
+  wait(20'000);
+  wait(kYears);
+  EXPECT_TRUE(channel_.is_open());
+  EXPECT_THAT(channel_.faults(), IsEmpty());
+  answer("t1811AA\r");
+  for (int i = 0; i < 3; ++i) wait(900'000);
+  EXPECT_FALSE(channel_.is_open()) << "a silence afterwards is one";
+}
+
 TEST_F(SlcanChannelTest, BellsToWhatWeSentMeanThatItWasClosedBellsOutOfTheBlueNothing) {
   open();
   for (int i = 0; i < 20; ++i) answer("\a");

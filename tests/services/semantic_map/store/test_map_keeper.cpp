@@ -172,6 +172,34 @@ TEST_F(MapKeeperTest, AFileThatWasSupersededStaysIfAnotherDriveBeginsBeforeAllCa
   EXPECT_EQ(kept().size(), 2U) << "the whole drive as it was, and what had come of its correction";
 }
 
+/// The journal of the drive is in memory: it outlives all processes, not a power cut.
+TEST_F(MapKeeperTest, ADriveWhoseMapperWasKilledAlongWithTheServiceIsOneMap) {
+  die_in_a_correction(190);
+  {
+    MapKeeper successor(path_, 1000);
+    drive(successor, 9, 12 * kSecond, 200);
+    successor.corrected_from(10 * kSecond);
+    EXPECT_EQ(successor.fault(), "");
+    write_all(successor);
+    const auto maps = kept();
+    EXPECT_EQ(std::ranges::count(maps, ".db", [](const fs::path& file) { return file.extension(); }), 1)
+        << "until all tiles have come again";
+    successor.finish({});
+  }
+  EXPECT_TRUE(kept().empty());
+  EXPECT_EQ(MapReader(path_).tiles().size(), 200U);
+}
+
+TEST_F(MapKeeperTest, ADriveThatBeganAtNearlyTheSameTimeOfABrokenClockIsAnother) {
+  for (int day = 0; day < 2; ++day) {
+    MapKeeper keeper(path_, 1000);
+    drive(keeper, 7 + day, kSecond + day, 10);
+    keeper.corrected_from(kSecond + day);
+    keeper.finish({});
+  }
+  EXPECT_EQ(kept().size(), 1U);
+}
+
 TEST_F(MapKeeperTest, RemovesNoFileThatAMapFromElsewhereNames) {
   const fs::path other = folder_ / "holiday.db";
   std::ofstream(other) << "photos";

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 
 #include "tests/services/semantic_map/store/map_keeper_fixture.hpp"
@@ -66,6 +67,53 @@ TEST_F(MapKeeperTest, AFileThatComesLaterKeepsItsEarlierDrive) {
   }
   EXPECT_EQ(earlier, 20U);
   EXPECT_EQ(MapReader(disk / "map.db").tiles().size(), 50U);
+}
+
+/// What a power cut may leave. A vehicle must not refuse to map for that, nor map into memory only.
+TEST_F(MapKeeperTest, AFileThatAPowerCutHasDamagedIsSetAside) {
+  {
+    MapKeeper earlier(path_, 1000);
+    drive(earlier, 3, kSecond, 200);
+    earlier.finish({});
+  }
+  std::ifstream whole(path_, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(whole), {}};
+  const std::string first_page_lost = std::string(8192, '\0') + bytes.substr(8192);
+  for (const std::string& damaged :
+       {first_page_lost, std::string(bytes.size(), '\0'), bytes.substr(0, bytes.size() / 2)}) {
+    std::ofstream(path_, std::ios::binary) << damaged;
+    {
+      MapKeeper keeper(path_, 1000, true, UnusableFile::kWaits);
+      EXPECT_NE(keeper.fault().find("was damaged, as by a power cut"), std::string::npos) << keeper.fault();
+      drive(keeper, 9, 9 * kSecond, 50);
+      keeper.finish({});
+    }
+    EXPECT_EQ(MapReader(path_).tiles().size(), 50U);
+    ASSERT_EQ(kept().size(), 1U);
+    EXPECT_EQ(fs::file_size(kept().front()), damaged.size()) << "nothing is thrown away";
+    fs::remove(kept().front());
+  }
+}
+
+/// The damage shows when the earlier drive is to be moved aside.
+TEST_F(MapKeeperTest, AFileWhoseEndIsZerosIsSetAsideWhenTheNextDriveBegins) {
+  {
+    MapKeeper earlier(path_, 1000);
+    drive(earlier, 3, kSecond, 200);
+    earlier.finish({});
+  }
+  fs::resize_file(path_, fs::file_size(path_) / 16384 * 8192);
+  const auto size = fs::file_size(path_);
+  fs::resize_file(path_, 2 * size);  // zeros
+  MapKeeper keeper(path_, 1000, true, UnusableFile::kWaits);
+  drive(keeper, 9, 9000 * kSecond, 50);
+  write_all(keeper);
+  write_all(keeper);
+  EXPECT_NE(keeper.fault().find("was damaged, as by a power cut"), std::string::npos) << keeper.fault();
+  keeper.finish({});
+  EXPECT_EQ(MapReader(path_).tiles().size(), 50U);
+  ASSERT_EQ(kept().size(), 1U);
+  EXPECT_EQ(fs::file_size(kept().front()), 2 * size) << "nothing is thrown away";
 }
 
 TEST_F(MapKeeperTest, DoesNotWaitForAFileThatIsNamedByMistakeOrWrittenByAnother) {

@@ -14,8 +14,8 @@
 #include <string_view>
 #include <vector>
 
-#include "common/bus/bus_address.hpp"
-#include "common/bus/fragment_assembler.hpp"
+#include "common/bus/socket/bus_address.hpp"
+#include "common/bus/socket/fragment_assembler.hpp"
 
 namespace curbstone {
 
@@ -49,6 +49,10 @@ class BusSocket {
   /// Passes whole messages on any channel, and also fragments if there are large channels.
   void pass_all();
 
+  /// Joins the group on the interface to which its route leads now, if that is another one: an interface that was
+  /// removed and made again is another one. To be called by the receiving thread, from time to time.
+  void follow_route();
+
   /// For poll().
   [[nodiscard]] int fd() const { return fd_; }
   /// Passes the datagrams that have arrived, at most 32, to `handler`. The data is valid until the handler returns.
@@ -74,19 +78,22 @@ class BusSocket {
     std::uint32_t used = 0;          // bytes
     std::uint32_t kernel_drops = 0;  // datagrams, for any reason
   };
-  void attach(const std::vector<sock_filter>& program);
+  void attach(std::vector<sock_filter> program);
   void take_fragment(std::uint64_t sender, std::span<const std::uint8_t> datagram, std::int64_t utime,
                      const Handler& handler);
   [[nodiscard]] Buffer look_at_buffer() const;
   void note_drops(bool is_host_wanted);
 
+  const BusAddress address_;
   int fd_ = -1;
   bool tells_ = false;  // whether the buffer is large enough to observe how full it is
   std::unique_ptr<Batch> batch_;
   std::optional<FragmentAssembler> assembler_;  // used by the receiving thread only
   std::atomic<std::int64_t> refused_fragments_ = 0;
   std::atomic<std::int64_t> dropped_large_ = 0;
-  std::mutex mutex_;  // guards everything below
+  std::mutex filter_mutex_;
+  std::vector<sock_filter> filter_;  // of the socket
+  std::mutex mutex_;                 // guards everything below
   bool filled_ = false;
   std::int64_t host_drops_ = 0;  // the host's count at the last look
   std::int64_t dropped_ = 0;

@@ -1,4 +1,4 @@
-#include "common/bus/channel_filter.hpp"
+#include "common/bus/socket/channel_filter.hpp"
 
 #include <algorithm>
 #include <cstdint>

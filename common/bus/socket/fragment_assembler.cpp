@@ -1,4 +1,4 @@
-#include "common/bus/fragment_assembler.hpp"
+#include "common/bus/socket/fragment_assembler.hpp"
 
 #include <algorithm>
 

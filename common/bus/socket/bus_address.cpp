@@ -1,4 +1,4 @@
-#include "common/bus/bus_address.hpp"
+#include "common/bus/socket/bus_address.hpp"
 
 #include <arpa/inet.h>
 #include <sys/socket.h>
@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <charconv>
 #include <cstdint>
+#include <cstdlib>
 #include <system_error>
 
 namespace curbstone {
@@ -53,6 +54,12 @@ std::optional<BusAddress> parse_bus_url(std::string_view url) {
     options = end == std::string_view::npos ? "" : options.substr(end + 1);
   }
   return address;
+}
+
+std::string effective_bus_url(std::string url, const char* otherwise) {
+  if (!url.empty()) return url;
+  const char* from_environment = std::getenv("LCM_DEFAULT_URL");
+  return from_environment != nullptr && *from_environment != '\0' ? from_environment : otherwise;
 }
 
 std::optional<std::string> route_error(const BusAddress& address) {

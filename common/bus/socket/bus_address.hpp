@@ -18,6 +18,9 @@ struct BusAddress {
 /// group and port.
 [[nodiscard]] std::optional<BusAddress> parse_bus_url(std::string_view url);
 
+/// `url`, or if it is empty $LCM_DEFAULT_URL, or if that is empty too `otherwise`.
+[[nodiscard]] std::string effective_bus_url(std::string url, const char* otherwise);
+
 /// Why this host cannot send to the address, in the kernel's words: it has no route. Nothing if it can.
 [[nodiscard]] std::optional<std::string> route_error(const BusAddress& address);
 

@@ -1,6 +1,7 @@
-#include "common/bus/bus_socket.hpp"
+#include "common/bus/socket/bus_socket.hpp"
 
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <linux/sock_diag.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -14,8 +15,9 @@
 #include <fstream>
 #include <sstream>
 #include <system_error>
+#include <utility>
 
-#include "common/bus/channel_filter.hpp"
+#include "common/bus/socket/channel_filter.hpp"
 #include "common/bytes/big_endian.hpp"
 #include "common/time/clock.hpp"
 
@@ -52,19 +54,43 @@ void set_option(int fd, int level, int option, int value, const char* name) {
   set_option(fd, level, option, &value, sizeof value, name);
 }
 
-/// Joins the group on the interface of the route to it. The socket receives only datagrams sent to the group.
-void join(int fd, const BusAddress& address) {
+sockaddr_in group_of(const BusAddress& address) {
   sockaddr_in group{};
   group.sin_family = AF_INET;
   group.sin_port = htons(static_cast<std::uint16_t>(address.port));
   inet_pton(AF_INET, address.group.c_str(), &group.sin_addr);
-  set_option(fd, SOL_SOCKET, SO_REUSEADDR, 1, "SO_REUSEADDR");
-  set_option(fd, SOL_SOCKET, SO_TIMESTAMP, 1, "SO_TIMESTAMP");
-  if (address.buffer > 0) set_option(fd, SOL_SOCKET, SO_RCVBUF, address.buffer, "SO_RCVBUF");
-  if (bind(fd, reinterpret_cast<const sockaddr*>(&group), sizeof group) != 0)
-    throw std::system_error(errno, std::generic_category(), "bind");
+  return group;
+}
+
+void attach_filter(int fd, const std::vector<sock_filter>& program) {
+  const sock_fprog filter{static_cast<unsigned short>(program.size()), const_cast<sock_filter*>(program.data())};
+  set_option(fd, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter, "SO_ATTACH_FILTER");
+}
+
+/// On the interface of the route to the group.
+bool join(int fd, const sockaddr_in& group) {
   const ip_mreqn membership{group.sin_addr, {htonl(INADDR_ANY)}, 0};
-  set_option(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership, "IP_ADD_MEMBERSHIP");
+  return setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) == 0;
+}
+
+/// A socket that receives only datagrams sent to the group.
+int open_socket(const BusAddress& address, const std::vector<sock_filter>& filter) {
+  const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (fd < 0) throw std::system_error(errno, std::generic_category(), "socket");
+  try {
+    attach_filter(fd, filter);
+    const sockaddr_in group = group_of(address);
+    set_option(fd, SOL_SOCKET, SO_REUSEADDR, 1, "SO_REUSEADDR");
+    set_option(fd, SOL_SOCKET, SO_TIMESTAMP, 1, "SO_TIMESTAMP");
+    if (address.buffer > 0) set_option(fd, SOL_SOCKET, SO_RCVBUF, address.buffer, "SO_RCVBUF");
+    if (bind(fd, reinterpret_cast<const sockaddr*>(&group), sizeof group) != 0)
+      throw std::system_error(errno, std::generic_category(), "bind");
+    if (!join(fd, group)) throw std::system_error(errno, std::generic_category(), "IP_ADD_MEMBERSHIP");
+  } catch (...) {
+    close(fd);
+    throw;
+  }
+  return fd;
 }
 
 /// The time at which the kernel received the datagram, us.
@@ -115,17 +141,9 @@ struct BusSocket::Batch {
 };
 
 BusSocket::BusSocket(const BusAddress& address, const std::vector<std::string>& large_channels)
-    : batch_(std::make_unique<Batch>()) {
+    : address_(address), batch_(std::make_unique<Batch>()), filter_(make_channel_filter({})) {
   if (!large_channels.empty()) assembler_.emplace(large_channels);
-  fd_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (fd_ < 0) throw std::system_error(errno, std::generic_category(), "socket");
-  try {
-    attach(make_channel_filter({}));
-    join(fd_, address);
-  } catch (...) {
-    close(fd_);
-    throw;
-  }
+  fd_ = open_socket(address_, filter_);
   host_drops_ = dropped_on_host();
   tells_ = look_at_buffer().size >= kTells;
 }
@@ -134,9 +152,25 @@ BusSocket::~BusSocket() {
   close(fd_);
 }
 
-void BusSocket::attach(const std::vector<sock_filter>& program) {
-  const sock_fprog filter{static_cast<unsigned short>(program.size()), const_cast<sock_filter*>(program.data())};
-  set_option(fd_, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter, "SO_ATTACH_FILTER");
+void BusSocket::attach(std::vector<sock_filter> program) {
+  const std::scoped_lock lock(filter_mutex_);
+  attach_filter(fd_, program);
+  filter_ = std::move(program);
+}
+
+/// A socket keeps the memberships of interfaces that are gone, and may have 20 of them: another one takes its place.
+void BusSocket::follow_route() {
+  if (!join(fd_, group_of(address_))) return;  // it is a member there, or there is no route
+  const std::scoped_lock lock(filter_mutex_, mutex_);
+  const std::uint32_t drops = look_at_buffer().kernel_drops;
+  try {
+    const int fresh = open_socket(address_, filter_);
+    dup3(fresh, fd_, O_CLOEXEC);
+    close(fresh);
+    kernel_drops_before_ -= drops;  // the other one counts from 0
+  } catch (const std::system_error&) {
+    // The route is gone again; the socket is a member where it was.
+  }
 }
 
 void BusSocket::pass_only(const std::vector<std::string>& channels) {
