@@ -20,9 +20,8 @@
 namespace curbstone {
 namespace {
 
-constexpr std::chrono::seconds kPatience{5};  // retry after a disk error
-constexpr std::size_t kMuch = 8'000'000;      // bytes
-constexpr std::uint64_t kWorthwhile = 256;    // pages: fewer free pages at the end are not returned to the disk
+constexpr std::size_t kMuch = 8'000'000;    // bytes
+constexpr std::uint64_t kWorthwhile = 256;  // pages: fewer free pages at the end are not returned to the disk
 
 std::uint32_t checksum_of(const PackedValues& bytes) {
   return static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
@@ -57,7 +56,8 @@ struct SpillFile::Values::Place {
 class SpillFile::File {
  public:
   using Place = Values::Place;
-  File(std::string folder, std::uint64_t leave_free) : folder_(std::move(folder)), leave_free_(leave_free) {
+  File(std::string folder, std::uint64_t leave_free, std::chrono::milliseconds retry)
+      : folder_(std::move(folder)), leave_free_(leave_free), retry_(retry) {
     std::unique_lock lock(mutex_);
     if (has_folder()) open(lock);
   }
@@ -114,7 +114,7 @@ class SpillFile::File {
         write_next(lock);
       }
       news_.notify_all();
-      if (!fault_.empty()) news_.wait_for(lock, kPatience, [this] { return stopped_; });
+      if (!fault_.empty()) news_.wait_for(lock, retry_, [this] { return stopped_; });
     }
   }
   void stop() {
@@ -229,6 +229,7 @@ class SpillFile::File {
 
   std::string folder_;
   std::uint64_t leave_free_;
+  std::chrono::milliseconds retry_;
   std::shared_ptr<UnnamedFile> disk_;  // nullptr: the folder takes none
   mutable std::mutex mutex_;
   std::condition_variable news_;
@@ -261,8 +262,8 @@ PackedValues SpillFile::Values::read() const {
   return place_ ? place_->file->read(*place_) : PackedValues();
 }
 
-SpillFile::SpillFile(const std::string& folder, std::uint64_t leave_free)
-    : file_(std::make_shared<File>(folder, leave_free)) {
+SpillFile::SpillFile(const std::string& folder, std::uint64_t leave_free, std::chrono::milliseconds retry)
+    : file_(std::make_shared<File>(folder, leave_free, retry)) {
   if (file_->has_folder()) writer_ = std::thread([file = file_.get()] { file->run(); });
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -12,13 +13,14 @@ namespace curbstone {
 /// Moves packed values out of a process's memory into an unnamed file, which disappears when the process ends, for
 /// whatever reason. A separate thread writes the values, so the caller does not wait for the disk. Values stay in
 /// memory until they are written. They also stay in memory if there is no folder, while the disk is nearly full, and
-/// while it cannot be written. It is tried again every 5 s: a folder may appear later, and a disk that failed may be
-/// mounted again. What the old file had is then in the old file.
+/// while it cannot be written. It is tried again every `retry`: a folder may appear later, and a disk that failed may
+/// be mounted again. What the old file had is then in the old file.
 class SpillFile {
  public:
   /// `folder`: of the file; empty: none. A folder that is not there is a fault, not an error. `leave_free`:
-  /// bytes of the disk to leave free for other uses.
-  explicit SpillFile(const std::string& folder = {}, std::uint64_t leave_free = std::uint64_t{1} << 30);
+  /// bytes of the disk to leave free for other uses. `retry`: after an error.
+  explicit SpillFile(const std::string& folder = {}, std::uint64_t leave_free = std::uint64_t{1} << 30,
+                     std::chrono::milliseconds retry = std::chrono::seconds(5));
   /// Stored values may outlive this object; the file then lives as long as they do.
   ~SpillFile();
   SpillFile(const SpillFile&) = delete;

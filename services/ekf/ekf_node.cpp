@@ -199,14 +199,14 @@ void EkfNode::publish(const model::Estimate& estimate) {
 void EkfNode::count_lost_messages(Input& input, std::int32_t sequence) {
   if (input.sequence) {
     const std::int64_t step = std::int64_t{sequence} - *input.sequence;
-    if (step > 1 && step < kMaxLoss) counters_.add(&input == &imu_ ? "lost.imu" : "lost.wheels", step - 1);
+    if (step > 1 && step < kMaxLoss) counters_.add(std::string("lost.") + input.counter, step - 1);
   }
   input.sequence = sequence;
 }
 
 void EkfNode::refuse(Input& input, const char* cause) {
   ++input.refused_in_a_row;
-  counters_.add(std::string("refused.") + cause + (&input == &imu_ ? ".imu" : ".wheels"));
+  counters_.add(fmt::format("refused.{}.{}", cause, input.counter));
 }
 
 void EkfNode::describe_input(const Input& input, std::vector<std::string>& faults) const {
@@ -226,22 +226,39 @@ void EkfNode::describe_input(const Input& input, std::vector<std::string>& fault
 
 NodeReport EkfNode::report() const {
   NodeReport report;
-  report.counters = counters_;
-  const Counters filtering = filter_.counters();
-  for (const Counters* part : {&clock_.counters(), &increments_.counters(), &sequencer_.counters(), &filtering})
-    report.counters.add(*part);
-  const inputs::ImuNoise& noise = shaken_imu_.noise();
-  set_level(report.counters, "imu.gyro_noise_percent", std::lround(100.0 * noise.gyro() / config_.noise.gyro));
-  set_level(report.counters, "imu.accelerometer_noise_percent",
-            std::lround(100.0 * noise.accelerometer() / config_.noise.accelerometer));
-  if (sent_.resent() > 0) report.counters.add("resent.odometry", sent_.resent());
-  if (state_keeper_) report.counters.add("faults.state_file", state_keeper_->failures());
+  add_counters(report.counters);
   report.latency_p50 = latency_.percentile(0.5);
   report.latency_p99 = latency_.percentile(0.99);
+  describe_input(imu_, report.faults);
+  describe_input(wheels_, report.faults);
+  describe_devices(report.faults);
+  describe_mounting(mounting_, config_.vehicle, report.faults);
+  describe_imu_outliers(imu_outliers_, report.faults);
+  describe_accelerometer(accelerometer_, report.faults);
+  if (!filter_.filter().started()) {
+    if (start_.never_came())
+      report.faults.emplace_back("no odometry yet: waiting to stand still or to see the wheels turn");
+  } else if (last_) {
+    describe_odometry(*last_, report.faults);
+  }
+  return report;
+}
 
-  std::vector<std::string>& faults = report.faults;
-  describe_input(imu_, faults);
-  describe_input(wheels_, faults);
+void EkfNode::add_counters(Counters& counters) const {
+  counters.add(counters_);
+  const Counters filtering = filter_.counters();
+  for (const Counters* part : {&clock_.counters(), &increments_.counters(), &sequencer_.counters(), &filtering})
+    counters.add(*part);
+  const inputs::ImuNoise& noise = shaken_imu_.noise();
+  set_level(counters, "imu.gyro_noise_percent", std::lround(100.0 * noise.gyro() / config_.noise.gyro));
+  set_level(counters, "imu.accelerometer_noise_percent",
+            std::lround(100.0 * noise.accelerometer() / config_.noise.accelerometer));
+  if (sent_.resent() > 0) counters.add("resent.odometry", sent_.resent());
+  if (state_keeper_) counters.add("faults.state_file", state_keeper_->failures());
+}
+
+/// Faults that the devices report, and those of the state file.
+void EkfNode::describe_devices(std::vector<std::string>& faults) const {
   if (imu_status_ & imu_t::SELF_TEST_FAILED) faults.emplace_back("IMU: its self test failed");
   for (int i = 0; i < 2; ++i) {
     if (last_wheels_.faults[i] == 0) continue;
@@ -251,25 +268,22 @@ NodeReport EkfNode::report() const {
   if (state_keeper_ && state_keeper_->failing())
     faults.push_back(fmt::format("{} cannot be written: if this process dies, the next one starts on the move (mkdir?)",
                                  state_keeper_->path()));
-  describe_mounting(mounting_, config_.vehicle, faults);
-  describe_imu_outliers(imu_outliers_, faults);
-  describe_accelerometer(accelerometer_, faults);
-  if (!filter_.filter().started()) {
-    if (start_.never_came()) faults.emplace_back("no odometry yet: waiting to stand still or to see the wheels turn");
-  } else if (last_) {
-    if (!last_->level) faults.emplace_back("not level yet after a start on the move: the mapper goes by LiDAR alone");
-    const bool clips = (imu_status_ & imu_t::CLIPPING) && last_->utime + clock_.offset() - imu_.heard <= kSilence;
-    if (last_->no_imu)
-      faults.emplace_back(clips ? "IMU: it clips, odometry coasts on the wheels"
-                                : "no IMU: odometry coasts on the wheels");
-    if (!mounting_.gyro_is_wrong()) describe_axes(filter_.filter().axes(), faults);
-    describe_leap(filter_.filter(), faults);
-    describe_vertical_force(filter_.filter().vertical_force(), faults);
-    describe_noise(shaken_imu_, config_.noise, faults);
-    describe_wheels(filter_.filter().wheel_watch(), faults);
-    if (last_->no_wheels) faults.emplace_back("no wheels: odometry coasts on the IMU, and drifts");
-  }
-  return report;
+}
+
+/// Faults of the odometry that is published, once the filter has started.
+void EkfNode::describe_odometry(const model::Estimate& last, std::vector<std::string>& faults) const {
+  if (!last.level) faults.emplace_back("not level yet after a start on the move: the mapper goes by LiDAR alone");
+  const bool clips = (imu_status_ & imu_t::CLIPPING) && last.utime + clock_.offset() - imu_.heard <= kSilence;
+  if (last.no_imu)
+    faults.emplace_back(clips ? "IMU: it clips, odometry coasts on the wheels"
+                              : "no IMU: odometry coasts on the wheels");
+  const filter::Filter& filter = filter_.filter();
+  if (!mounting_.gyro_is_wrong()) describe_axes(filter.axes(), faults);
+  describe_leap(filter, faults);
+  describe_vertical_force(filter.vertical_force(), faults);
+  describe_noise(shaken_imu_, config_.noise, faults);
+  describe_wheels(filter.wheel_watch(), faults);
+  if (last.no_wheels) faults.emplace_back("no wheels: odometry coasts on the IMU, and drifts");
 }
 
 }  // namespace curbstone::ekf

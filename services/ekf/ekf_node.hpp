@@ -51,6 +51,7 @@ class EkfNode final : public Node {
  private:
   struct Input {
     const char* name;
+    const char* counter;     // the end of its counters' names
     std::int64_t heard = 0;  // us, newest stamp; 0: none yet
     SilenceTimer silence{};
     SingleSender sender{};
@@ -65,7 +66,10 @@ class EkfNode final : public Node {
   void publish(const model::Estimate& estimate);
   void count_lost_messages(Input& input, std::int32_t sequence);
   void refuse(Input& input, const char* cause);
+  void add_counters(Counters& counters) const;
   void describe_input(const Input& input, std::vector<std::string>& faults) const;
+  void describe_devices(std::vector<std::string>& faults) const;
+  void describe_odometry(const model::Estimate& last, std::vector<std::string>& faults) const;
 
   base::EkfConfig config_;
   Publisher& publisher_;
@@ -82,8 +86,8 @@ class EkfNode final : public Node {
   mounting::MountingWatch mounting_;
   Counters counters_;
   LatencyWindow latency_;
-  Input imu_{.name = "IMU"};
-  Input wheels_{.name = "WHEELS"};
+  Input imu_{.name = "IMU", .counter = "imu"};
+  Input wheels_{.name = "WHEELS", .counter = "wheels"};
   std::int32_t imu_status_ = 0;
   wheels_t last_wheels_{};
   std::optional<model::Estimate> last_;

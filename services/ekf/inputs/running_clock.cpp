@@ -18,47 +18,71 @@ constexpr double kKept = 0.98;                // of the fastest turn, from sampl
 
 std::optional<std::int64_t> RunningClock::add(Sensor sensor, std::int64_t utime, std::int32_t sequence,
                                               const std::array<double, 2>& angles) {
-  const bool is_imu = sensor == Sensor::kImu;
-  Channel& own = channels_[is_imu ? 0 : 1];
-  Channel& other = channels_[is_imu ? 1 : 0];
   const double turned = std::max(std::abs(angles[0] - angles_[0]), std::abs(angles[1] - angles_[1]));
-  if (!is_imu) angles_ = angles;
-  const std::optional<std::int64_t> out = take(own, other, utime, sequence, turned);
-  other.alone = 0;
-  ++own.alone;
-  if (own.offset == other.offset || !other.last || own.alone > kSilent) offset_ = own.offset;
+  if (sensor == Sensor::kWheels) angles_ = angles;
+  const std::optional<std::int64_t> out = take(sensor, utime, sequence, turned);
+  Channel& heard = channel(sensor);
+  counterpart(sensor).alone = 0;
+  ++heard.alone;
+  if (heard.offset == counterpart(sensor).offset || !counterpart(sensor).last || heard.alone > kSilent)
+    offset_ = heard.offset;
   return out;
 }
 
 /// `turned`: rad, by the wheels since their last sample.
-std::optional<std::int64_t> RunningClock::take(Channel& own, Channel& other, std::int64_t utime, std::int32_t sequence,
+std::optional<std::int64_t> RunningClock::take(Sensor sensor, std::int64_t utime, std::int32_t sequence,
                                                double turned) {
-  const bool is_imu = &own == &channels_[0];
-  const bool consecutive = own.last && std::int64_t{sequence} - own.sequence == 1;
-  const std::int64_t behind = std::int64_t{own.sequence} - sequence;
-  if (!own.last || behind < 0 || behind > kRestart) own.sequence = sequence;
-  if (const auto before = std::exchange(own.before_leap, std::nullopt)) {
-    const std::int64_t since = utime - *before;
-    if (consecutive && since > 0 && since <= kMinLeap + 2 * own.period) own.last = before, own.leap = 0;  // it was wild
+  Channel& heard = channel(sensor);
+  const bool consecutive = heard.is_next(sequence);
+  heard.note_number(sequence);
+  heard.forget_wild_leap(utime, consecutive);
+  const std::int64_t step = heard.last ? utime - *heard.last : 0;
+  const bool is_set = consecutive && heard.may_be_set(step);
+  const bool is_leap = is_set && step > 0;
+  const std::int64_t leap = step - heard.period;
+  if (is_leap) {
+    heard.leap = turned <= kFewIntervals * turn_ + kHardlyTurned ? leap : 0;
+    heard.leapt_to = utime;
   }
-  const std::int64_t step = own.last ? utime - *own.last : 0;
-  const bool is_set = consecutive && own.period > 0 && (step < -kMinLeap || step > kMinLeap + own.period);
-  const bool forward = is_set && step > 0;
-  if (forward) {
-    own.leap = turned <= kFewIntervals * turn_ + kHardlyTurned ? step - own.period : 0;
-    own.leapt_to = utime;
-  }
-  const bool continues = own.first && consecutive && utime > *own.newest &&
-                         utime - *own.newest <= kMinLeap + own.period && (step < 0 || step > kMinLeap);
+  const bool continues = consecutive && heard.continues_new_clock(utime, step);
   // The wheels' sequence numbers are those of messages. A step forward is accepted only with the IMU's.
-  if (continues || (is_set && (is_imu || step < 0 || ends_difference(own, other, step - own.period))))
-    return check_step(own, other, utime, continues);
-  own.first.reset();
-  if (forward) own.before_leap = own.last;
-  if (consecutive && step > 0 && !forward) own.period = step;
-  if (!is_imu && consecutive && !forward) turn_ = std::max(kKept * turn_, turned);
-  if (!own.last || step > 0 || step < -kFarBack) own.last = utime;
-  return utime - own.offset;
+  const bool is_candidate =
+      is_set && (sensor == Sensor::kImu || step < 0 || ends_difference(heard, counterpart(sensor), leap));
+  if (continues || is_candidate) return check_step(heard, counterpart(sensor), utime, continues);
+  heard.first.reset();
+  if (is_leap) heard.before_leap = heard.last;
+  if (consecutive && !is_leap) {
+    if (step > 0) heard.period = step;
+    if (sensor == Sensor::kWheels) turn_ = std::max(kKept * turn_, turned);
+  }
+  if (!heard.last || step > 0 || step < -kFarBack) heard.last = utime;
+  return utime - heard.offset;
+}
+
+bool RunningClock::Channel::is_next(std::int32_t number) const {
+  return last && std::int64_t{number} - sequence == 1;
+}
+
+void RunningClock::Channel::note_number(std::int32_t number) {
+  const std::int64_t behind = std::int64_t{sequence} - number;
+  if (!last || behind < 0 || behind > kRestart) sequence = number;
+}
+
+void RunningClock::Channel::forget_wild_leap(std::int64_t utime, bool consecutive) {
+  const auto before = std::exchange(before_leap, std::nullopt);
+  if (!before || !consecutive) return;
+  const std::int64_t since = utime - *before;
+  if (since <= 0 || since > kMinLeap + 2 * period) return;
+  last = before;
+  leap = 0;
+}
+
+bool RunningClock::Channel::may_be_set(std::int64_t step) const {
+  return period > 0 && (step < -kMinLeap || step > kMinLeap + period);
+}
+
+bool RunningClock::Channel::continues_new_clock(std::int64_t utime, std::int64_t step) const {
+  return first && utime > *newest && utime - *newest <= kMinLeap + period && (step < 0 || step > kMinLeap);
 }
 
 bool RunningClock::have_both_leapt(const Channel& own, const Channel& other, std::int64_t leap) {

@@ -49,13 +49,26 @@ class RunningClock {
     std::optional<std::int64_t> first = {}, newest = {};  // of the samples that may have a new clock
     int agreeing = 0;
     int alone = 0;  // samples since the other sensor's last
+
+    [[nodiscard]] bool is_next(std::int32_t number) const;
+    /// Remembers the number, unless its message is out of order.
+    void note_number(std::int32_t number);
+    /// Forgets a leap after which this stamp continues the ones before it: one stamp alone was wild.
+    void forget_wild_leap(std::int64_t utime, bool consecutive);
+    /// Whether the clock may have been set between two consecutive samples that are `step` apart.
+    [[nodiscard]] bool may_be_set(std::int64_t step) const;
+    /// Whether the sample goes on from those that may have a new clock.
+    [[nodiscard]] bool continues_new_clock(std::int64_t utime, std::int64_t step) const;
   };
-  std::optional<std::int64_t> take(Channel& own, Channel& other, std::int64_t utime, std::int32_t sequence,
-                                   double turned);
+  [[nodiscard]] std::optional<std::int64_t> take(Sensor sensor, std::int64_t utime, std::int32_t sequence,
+                                                 double turned);
   [[nodiscard]] static bool have_both_leapt(const Channel& own, const Channel& other, std::int64_t leap);
   /// Whether this leap brings the sensors' clocks together again.
   [[nodiscard]] static bool ends_difference(const Channel& own, const Channel& other, std::int64_t leap);
-  std::optional<std::int64_t> check_step(Channel& own, Channel& other, std::int64_t utime, bool continues);
+  [[nodiscard]] std::optional<std::int64_t> check_step(Channel& own, Channel& other, std::int64_t utime,
+                                                       bool continues);
+  [[nodiscard]] Channel& channel(Sensor sensor) { return channels_[sensor == Sensor::kImu ? 0 : 1]; }
+  [[nodiscard]] Channel& counterpart(Sensor sensor) { return channels_[sensor == Sensor::kImu ? 1 : 0]; }
 
   static constexpr std::int64_t kSame = 50'000;  // us, tolerance between the steps of two sensors
   std::array<Channel, 2> channels_{Channel{.name = "imu"}, Channel{.name = "wheels"}};

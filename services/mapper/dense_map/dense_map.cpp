@@ -114,18 +114,22 @@ std::vector<TileKey> DenseMap::clear_free_space(const std::vector<scan::LidarPoi
       const Eigen::Vector3d corner = corner_of({x, y}, *tile);
       std::vector<std::uint32_t> gone =
           is_near ? free_space_.find_removed(*tile, corner, view) : free_space_.find_left_behind(*tile, corner, view);
-      if (gone.size() == tile->num_points() && !gone.empty())
-        gone.pop_back();  // a published tile must not become empty
-      if (gone.empty() || utime - tile->removed_at() < kMinRemovalInterval) continue;
-      tile->remove(gone, utime);
-      const auto count = static_cast<std::int64_t>(gone.size());
-      size_ -= count;
-      num_removals_ += count;
-      counters_.add("dense.removed", count);
-      changed.push_back({x, y});
+      if (remove(*tile, std::move(gone), utime)) changed.push_back({x, y});
     }
   }
   return changed;
+}
+
+/// Removes these records' points, unless the tile's last removal was a moment ago. Returns whether it did.
+bool DenseMap::remove(DenseTile& tile, std::vector<std::uint32_t> gone, std::int64_t utime) {
+  if (gone.size() == tile.num_points() && !gone.empty()) gone.pop_back();  // a published tile must not become empty
+  if (gone.empty() || utime - tile.removed_at() < kMinRemovalInterval) return false;
+  tile.remove(gone, utime);
+  const auto count = static_cast<std::int64_t>(gone.size());
+  size_ -= count;
+  num_removals_ += count;
+  counters_.add("dense.removed", count);
+  return true;
 }
 
 /// First pass over the scan: the lowest point of each column, then what stands above it.

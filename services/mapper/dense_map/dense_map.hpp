@@ -121,6 +121,7 @@ class DenseMap {
   };
   /// Which pending voxels are settled; kAll: the drive is over, so none waits for more hits.
   enum class Which { kDue, kAll };
+  [[nodiscard]] bool remove(DenseTile& tile, std::vector<std::uint32_t> gone, std::int64_t utime);
   void learn(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base, std::int64_t utime);
   void hit_all(std::int64_t utime, bool add_new);
   void hit(const Seen& seen, voxels::VoxelKey name, std::uint32_t at, std::int64_t utime, bool add_new);

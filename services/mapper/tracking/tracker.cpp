@@ -54,9 +54,9 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
   }
 
   const scan::OdometryHistory& believed = odometry_check_.rejects_odometry() ? no_odometry_ : odometry;
-  Attempt found = attempt(scan, believed);
-  const auto by_scan = found.believed ? std::optional(found.fit.result.T_map_base) : std::nullopt;
-  judge_turn(found, scan, odometry, believed);
+  Attempt by_scan = attempt(scan, believed);
+  const auto T_map_base_by_scan = by_scan.believed ? std::optional(by_scan.fit.result.T_map_base) : std::nullopt;
+  Attempt found = with_plausible_turn(std::move(by_scan), scan, odometry, believed);
   if (!found.fit.prediction.with_odometry) counters_.add("without_odometry");
   if (!found.refusal.empty()) counters_.add(found.refusal);
   if (first_ && !found.believed) {  // they do not confirm each other: the drive begins with this one
@@ -69,21 +69,21 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
   note_odometry(before, odometry);
   note_turn(tracked, believed);
   tracked.first = std::move(first);
-  tracked.T_map_base_by_scan = by_scan;
+  tracked.T_map_base_by_scan = T_map_base_by_scan;
   if (tracked.maps) insert(*tracked.points, tracked.T_map_base);
   check_odometry(tracked, odometry);
   return tracked;
 }
 
-/// Replaces a registration that turns otherwise than wheels and gyro by the pose of odometry.
-void Tracker::judge_turn(Attempt& found, const scan::Scan& scan, const scan::OdometryHistory& odometry,
-                         const scan::OdometryHistory& believed) {
-  const bool is_refused = contradicts_odometry(found, scan, believed);
-  if (is_refused) {
-    found = by_odometry(scan, odometry);
-    turn_refused_at_ = scan.end;
-  }
+/// The registration, or odometry's pose instead of one that turns otherwise than wheels and gyro.
+Tracker::Attempt Tracker::with_plausible_turn(Attempt by_scan, const scan::Scan& scan,
+                                              const scan::OdometryHistory& odometry,
+                                              const scan::OdometryHistory& believed) {
+  const bool is_refused = contradicts_odometry(by_scan, scan, believed);
+  Attempt found = is_refused ? by_odometry(scan, odometry) : std::move(by_scan);
+  if (is_refused) turn_refused_at_ = scan.end;
   turn_refused_ = is_refused || (turn_refused_ && !found.believed && !turns_.gives_up(scan.end));
+  return found;
 }
 
 /// Registers the scan from the pose that odometry, or a constant velocity, predicts; if that fails, from other motions.
@@ -100,10 +100,15 @@ Tracker::Attempt Tracker::attempt(const scan::Scan& scan, const scan::OdometryHi
   if (tracking_state_.unbounded()) return {matcher_.predict(from, scan, std::move(prediction)), {}, false};
   const bool guided = prediction.with_odometry;
   if (first_ && !guided) return judged(matcher_.fit_second(from, *first_, scan));
-  if (guided) correct_turn(prediction, scan, odometry);
-  if (guided) correct_scale(prediction);
+  if (guided) prediction = corrected(std::move(prediction), scan, odometry);
   Attempt first = judged(matcher_.fit(from, scan, std::move(prediction), motion_));
-  if (guided && !check_mount(first, scan, odometry)) return first;
+  if (guided) {
+    using Mount = mounting::MountYaw::Result;
+    const Mount mount = observe_mount(first.fit.points, scan.end, odometry);
+    if (mount == Mount::kUncertain) return {std::move(first.fit), "refused.mount"};
+    if (mount == Mount::kTurned)
+      first = judged(matcher_.fit(departure(), scan, predict_motion(config_, recent(), scan, odometry), motion_));
+  }
   if (first.believed) return first;
   Attempt second = guided ? attempt_without_odometry(from, scan) : attempt_multi_start(from, scan);
   return second.believed ? second : first;

@@ -147,13 +147,17 @@ class Tracker {
   [[nodiscard]] Attempt attempt_without_odometry(const PreviousPose& from, const scan::Scan& scan);
   [[nodiscard]] Attempt attempt_multi_start(const PreviousPose& from, const scan::Scan& scan);
   [[nodiscard]] bool turns_steadily(std::int64_t from, std::int64_t to, const scan::OdometryHistory& odometry) const;
-  void correct_scale(MotionPrediction& prediction);
-  void correct_turn(MotionPrediction& prediction, const scan::Scan& scan, const scan::OdometryHistory& odometry);
-  [[nodiscard]] bool check_mount(Attempt& found, const scan::Scan& scan, const scan::OdometryHistory& odometry);
+  [[nodiscard]] MotionPrediction corrected(MotionPrediction prediction, const scan::Scan& scan,
+                                           const scan::OdometryHistory& odometry);
+  [[nodiscard]] double turn_error(const scan::SweepMotion& sweep, const scan::Scan& scan,
+                                  const scan::OdometryHistory& odometry);
+  [[nodiscard]] mounting::MountYaw::Result observe_mount(const std::vector<scan::LidarPoint>& points, std::int64_t end,
+                                                         const scan::OdometryHistory& odometry);
   [[nodiscard]] bool contradicts_odometry(const Attempt& found, const scan::Scan& scan,
                                           const scan::OdometryHistory& odometry) const;
-  void judge_turn(Attempt& found, const scan::Scan& scan, const scan::OdometryHistory& odometry,
-                  const scan::OdometryHistory& believed);
+  [[nodiscard]] Attempt with_plausible_turn(Attempt by_scan, const scan::Scan& scan,
+                                            const scan::OdometryHistory& odometry,
+                                            const scan::OdometryHistory& believed);
   [[nodiscard]] Attempt by_odometry(const scan::Scan& scan, const scan::OdometryHistory& odometry) const;
   [[nodiscard]] Attempt judged(Fit fit) const { return judged(std::move(fit), certainty()); }
   [[nodiscard]] Attempt judged(Fit fit, Certainty guess) const;

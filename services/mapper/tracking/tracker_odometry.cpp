@@ -96,43 +96,43 @@ bool Tracker::turns_steadily(std::int64_t from, std::int64_t to, const scan::Odo
   return angle_of(T_middle_odom * odometry.at(to) * (T_middle_odom * odometry.at(before))) < kSteady;
 }
 
-/// Corrects the way that is predicted by odometry whose wheels have another size.
-void Tracker::correct_scale(MotionPrediction& prediction) {
-  const double scale = scale_by_scans_.scale();
-  if (scale == 1) return;
-  counters_.add("odometry.scale_by_scans");
-  prediction.T_last_base.translation() *= scale;
+/// Corrects what odometry predicts by what earlier scans show of it: its turn, and the size of its wheels.
+MotionPrediction Tracker::corrected(MotionPrediction prediction, const scan::Scan& scan,
+                                    const scan::OdometryHistory& odometry) {
+  if (const double error = turn_error(prediction.sweep, scan, odometry); error != 0) {
+    counters_.add("odometry.turn_by_scans");
+    prediction.T_last_base.rotate(Eigen::AngleAxisd(-error, Eigen::Vector3d::UnitZ()));
+  }
+  if (const double scale = scale_by_scans_.scale(); scale != 1) {
+    counters_.add("odometry.scale_by_scans");
+    prediction.T_last_base.translation() *= scale;
+  }
+  return prediction;
 }
 
-/// Corrects the turn that is predicted by odometry without a gyro, or with one that the wheels contradict: a wheel that
-/// slips turns it, or a gyro that is wrong. Not by scans of a LiDAR that shakes.
-void Tracker::correct_turn(MotionPrediction& prediction, const scan::Scan& scan,
+/// rad, to the left: error of the turn by odometry without a gyro, or with one that the wheels contradict: a wheel that
+/// slips turns it, or a gyro that is wrong. 0: unknown. Not by scans of a LiDAR that shakes.
+double Tracker::turn_error(const scan::SweepMotion& sweep, const scan::Scan& scan,
                            const scan::OdometryHistory& odometry) {
   const bool is_measured = odometry.with_gyro(last_->end, scan.end) && odometry.turn_confirmed(last_->end, scan.end);
-  if (is_measured || mount_.shakes()) return turn_by_scans_.interrupt();
-  const std::vector<scan::LidarPoint> points = matcher_.in_base(scan, prediction.sweep);
-  const double error = turn_by_scans_.error_since_last(scan.end, points, odometry.at(scan.end));
-  if (error == 0) return;
-  counters_.add("odometry.turn_by_scans");
-  prediction.T_last_base.rotate(Eigen::AngleAxisd(-error, Eigen::Vector3d::UnitZ()));
+  if (is_measured || mount_.shakes()) {
+    turn_by_scans_.interrupt();
+    return 0;
+  }
+  return turn_by_scans_.error_since_last(scan.end, matcher_.in_base(scan, sweep), odometry.at(scan.end));
 }
 
-/// Checks that the LiDAR has not turned in its mount. While it may be turning, `found` is refused, and false is
-/// returned. Once it has turned, `found` is the scan de-skewed and registered again, with the mount's new yaw.
-bool Tracker::check_mount(Attempt& found, const scan::Scan& scan, const scan::OdometryHistory& odometry) {
-  const bool is_measured = config_.turn_by_odometry && turns_steadily(last_->end, scan.end, odometry);
-  const auto sight = is_measured ? mount_.add({scan.end, &found.fit.points, odometry.at(scan.end),
-                                               odometry.turn_confirmed(last_->end, scan.end)})
-                                 : mount_.skip(scan.end);
+/// Whether the LiDAR has turned in its mount, by a scan that ended at `end`, us. The next scan is de-skewed with the
+/// mount's new yaw.
+mounting::MountYaw::Result Tracker::observe_mount(const std::vector<scan::LidarPoint>& points, std::int64_t end,
+                                                  const scan::OdometryHistory& odometry) {
+  const bool is_measured = config_.turn_by_odometry && turns_steadily(last_->end, end, odometry);
+  const auto result = is_measured
+                          ? mount_.add({end, &points, odometry.at(end), odometry.turn_confirmed(last_->end, end)})
+                          : mount_.skip(end);
   matcher_.set_mount_yaw(mount_.yaw());
-  if (sight == mounting::MountYaw::Result::kTurned) {
-    pairs_.interrupt();
-    found = judged(matcher_.fit(departure(), scan, predict_motion(config_, recent(), scan, odometry), motion_));
-  }
-  if (sight != mounting::MountYaw::Result::kUncertain) return true;
-  found.believed = false;
-  found.refusal = "refused.mount";
-  return false;
+  if (result == mounting::MountYaw::Result::kTurned) pairs_.interrupt();
+  return result;
 }
 
 /// Wheels and gyro, if they agree, outvote a registration. Odometry that leaps is not used for that.

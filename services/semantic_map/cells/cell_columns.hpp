@@ -71,6 +71,7 @@ struct Extent {
   bool operator==(const Extent&) const = default;
 };
 
+/// The columns of a tile, and which of its cells hold something above the ground.
 struct CellColumns {
   std::array<CellColumn, tile::kCellsInTile> cells{};
   std::bitset<tile::kCellsInTile> standing;  ///< cells with any point above the ground
@@ -108,6 +109,7 @@ class ColumnAccumulator {
   std::size_t num_points_ = 0;
 };
 
+/// Measures the columns of all points of a tile at once, as ColumnAccumulator does piece by piece.
 [[nodiscard]] CellColumns measure_columns(const tile::VotedTile& tile, const ground::GroundSurface& ground,
                                           const ClassParameters& parameters);
 

@@ -18,6 +18,7 @@ struct GroundSample {
   bool operator==(const GroundSample&) const = default;
 };
 
+/// The samples of a tile, row by row from its corner.
 struct GroundSamples {
   static constexpr int kPerSide = 12;
   static constexpr double kCell = kTileSize / kPerSide;  ///< 0.25 m
@@ -37,6 +38,7 @@ struct GroundSamples {
   return point.plate > 0.5F;
 }
 
+/// Whether the vote allows the point to be ground: its normal points up, and it lies on a surface or on a scan line.
 [[nodiscard]] inline bool may_be_ground(const tile::VotedTensor& point, const tile::CurbParameters& parameters) {
   return point.mass > 0 && static_cast<double>(point.normal.z()) >= parameters.min_normal_z &&
          (static_cast<double>(point.stick) >= parameters.min_stick || is_scan_line(point));

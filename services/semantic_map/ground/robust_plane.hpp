@@ -14,11 +14,13 @@ struct Plane {
   bool operator==(const Plane&) const = default;
 };
 
+/// A measured height, for fit_plane().
 struct PlaneSample {
   double x = 0, y = 0, z = 0;  ///< m; x and y from the plane's reference point
   double weight = 1;           ///< 1: its 1 sigma is PlaneFit::sample_sigma
 };
 
+/// How fit_plane() weighs samples and prior.
 struct PlaneFit {
   double scale_above = 0.05;   ///< m: larger residuals are down-weighted (Cauchy weights)
   double scale_below = 0.05;   ///< m: the same for samples below the plane

@@ -11,10 +11,10 @@ namespace curbstone::semantic_map::marking_lines {
 struct RidgePoint {
   Eigen::Vector2d at = Eigen::Vector2d::Zero();        ///< m in map
   Eigen::Vector2d tangent = Eigen::Vector2d::UnitX();  ///< unit, along the marking; in a chain, in its direction
-  double z = 0;
-  double mass = 0;  ///< of the vote
-  double contrast = 0;
-  double width = 0;  ///< m, of the paint here
+  double z = 0;                                        ///< m in map
+  double mass = 0;                                     ///< of the vote
+  double contrast = 0;                                 ///< over the ground around, as in MarkingCell
+  double width = 0;                                    ///< m, of the paint here
 };
 using MarkingChain = std::vector<RidgePoint>;
 

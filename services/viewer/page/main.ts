@@ -286,7 +286,7 @@ function onMeasured(): void {
 function savePicture(): void {
   draftMode.end();
   draw(performance.now());  // the ground can only be read in the task that drew it
-  saveCanvases([groundCanvas, marksCanvas], css(kBackground[settings.look]));
+  saveCanvases([groundCanvas, marksCanvas].filter(canvas => !canvas.hidden), css(kBackground[settings.look]));
 }
 
 function wire(): void {
@@ -330,7 +330,7 @@ Object.assign(window, { curbstone: { world, camera, settings, rewind, initialLoa
 settings.read(camera);
 try {
   ground = new Ground(groundCanvas, world, redraw);
-  const sheet = new Sheet(marksCanvas);
+  const sheet = new Sheet(marksCanvas, canvas => ground.lay(canvas));
   [marks, tiltedMarks] = [new Marks(sheet, world), new TiltedMarks(sheet, world)];
   inspector = new Inspector(world, onPicked);
   ruler = new Ruler(world, onMeasured);

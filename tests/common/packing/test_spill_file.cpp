@@ -21,6 +21,9 @@
 namespace curbstone {
 namespace {
 
+/// Long enough for a test to look at a fault before it passes.
+constexpr std::chrono::seconds kRetry{1};
+
 PackedValues values_of(std::size_t size, unsigned seed) {
   std::mt19937 random(seed);
   PackedValues values(size);
@@ -93,7 +96,7 @@ bool is_on_the_disk_soon(const SpillFile& file) {
 TEST(SpillFile, TakesAFolderThatAppearsLater) {
   const test::TemporaryFolder folder;
   const std::string later = folder / "disk";
-  SpillFile file(later, 0);
+  SpillFile file(later, 0, kRetry);
   const SpillFile::Values away = file.put(values_of(1000, 1));
   file.flush();
   EXPECT_THAT(file.fault(), testing::HasSubstr("No such file"));
@@ -117,7 +120,7 @@ TEST(SpillFile, IsInAFaultWithoutItsFolderThoughNothingWaits) {
 
 TEST(SpillFile, BeginsAnotherFileAfterTheDiskOfTheFirstIsGone) {
   const test::TemporaryFolder folder;
-  SpillFile file(folder.path().string(), 0);
+  SpillFile file(folder.path().string(), 0, kRetry);
   const SpillFile::Values before = file.put(values_of(1000, 1));
   file.flush();
   test::make_spill_files_fail();
@@ -134,7 +137,7 @@ TEST(SpillFile, BeginsAnotherFileAfterTheDiskOfTheFirstIsGone) {
 
 TEST(SpillFile, LeavesTheLastOfTheDiskToOthers) {
   const test::TemporaryFolder folder;
-  SpillFile file(folder.path().string(), std::numeric_limits<std::uint64_t>::max() / 2);
+  SpillFile file(folder.path().string(), std::numeric_limits<std::uint64_t>::max() / 2, kRetry);
   std::optional<SpillFile::Values> away = file.put(values_of(1000, 1));
   file.flush();
   EXPECT_EQ(file.fault(), "the disk is nearly full");
@@ -156,7 +159,7 @@ TEST(SpillFile, OnADiskThatFillsUpKeepsTheRestInMemoryUntilThereIsRoomAgain) {
   const std::string disk = folder.path().string();
   if (!mount_small_disk(disk)) GTEST_SKIP() << "no right to mount a small disk";
   {
-    SpillFile file(disk, 0);
+    SpillFile file(disk, 0, kRetry);
     std::vector<SpillFile::Values> away;
     for (unsigned i = 0; i < 40; ++i) away.push_back(file.put(values_of(50'000, i)));
     file.flush();

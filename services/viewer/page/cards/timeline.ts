@@ -74,7 +74,7 @@ export class Timeline {
 
   private wanted(): number { return Number(this.slider.value) / 1000 * this.length; }
   private showPlace(s: number): void {
-    const behind = this.length - s;
-    byId("elapsed").textContent = !this.live ? clock(s) : behind < 0.5 ? "" : `−${clock(behind)}`;
+    const { length } = this, behind = length - s;
+    byId("elapsed").textContent = !this.live ? clock(s) + (length ? ` / ${clock(Math.max(s, length))}` : "") : behind < 0.5 ? "" : `−${clock(behind)}`;
   }
 }

@@ -9,7 +9,7 @@ import { classColours, CloudColour, kPaint, Mode, pointRamp, ramp, Rgb, Theme } 
 import { Program, unit } from "./program";
 import { Relief } from "./tilted/relief";
 import { drawsInSoftware } from "./software";
-import { kFarFragment, kNearFragment, kPageFragment, kPageVertex, kPointFragment, kPointVertex } from "./shaders";
+import { kFarFragment, kNearFragment, kPageFragment, kPageVertex, kPaintVertex, kPointFragment, kPointVertex, kSheetFragment } from "./shaders";
 import { kCellSize, Pose, World } from "../world";
 
 export interface Look {
@@ -37,6 +37,8 @@ export class Ground {
   private isSlow = false;
   private flat!: { any: Program; far: Program; near: Program };  // for every look, and the faster ones
   private point!: Program;
+  private sheet!: Program;
+  private marks!: WebGLTexture;
   private points!: WebGLBuffer;
   private numPoints = 0;
   private cloud!: CloudPoints;
@@ -60,7 +62,7 @@ export class Ground {
 
   private setUp(): void {
     const isSlow = this.isSlow = drawsInSoftware();
-    const gl = this.canvas.getContext("webgl2", { antialias: !isSlow, premultipliedAlpha: true, preserveDrawingBuffer: false });
+    const gl = this.canvas.getContext("webgl2", { antialias: !isSlow });
     if (!gl) throw new Error("The map cannot be drawn here: this browser has no WebGL2. Switch its graphics acceleration on, or take a current Firefox, Chrome, Edge or Safari");
     this.gl = gl;
     this.pages = new Pages(gl, this.world, isSlow ? gl.LINEAR_MIPMAP_NEAREST : gl.LINEAR_MIPMAP_LINEAR);
@@ -69,6 +71,9 @@ export class Ground {
     const [any, far, near] = [kPageFragment, kFarFragment, kNearFragment].map(fragment => new Program(gl, kPageVertex, fragment));
     this.flat = { any, far: far.prepare(), near: near.prepare() };
     this.point = new Program(gl, kPointVertex, kPointFragment, ["point"]);
+    this.sheet = new Program(gl, kPaintVertex, kSheetFragment);
+    if (isSlow) this.sheet.prepare();
+    this.marks = gl.createTexture()!;
     this.points = gl.createBuffer()!;
     this.cloud = new CloudPoints(gl, isSlow);
     gl.enable(gl.BLEND);
@@ -96,6 +101,22 @@ export class Ground {
     const pose = world.scanPose, age = pose && world.state?.pose ? world.state.pose.utime - pose.utime : 0;
     if (look.points && pose && age < kScanKept && this.numPoints > 0) this.drawPoints(camera, look, pose);
     this.pages.forget();
+  }
+
+  /// Lays a canvas of the same size over what was drawn.
+  lay(canvas: HTMLCanvasElement): void {
+    if (this.lost) return;
+    const { gl, sheet } = this;
+    sheet.use();
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, this.marks);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
+    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, true);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, canvas);
+    gl.pixelStorei(gl.UNPACK_PREMULTIPLY_ALPHA_WEBGL, false);
+    gl.uniform1i(sheet.at("picture"), 0);
+    gl.disableVertexAttribArray(0);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
   }
 
   private uploadScan(): void {

@@ -155,3 +155,12 @@ void main() {
   vec3 ink = mix(shade.rgb, vec3(dot(shade.rgb, vec3(0.3, 0.59, 0.11))), grey);
   colour = vec4(ink * shade.a, shade.a) * (1.0 - 0.6 * grey);
 }`;
+
+/// A canvas over the whole ground, pixel for pixel; its first row is the highest.
+export const kSheetFragment = `#version 300 es
+precision highp float;
+uniform sampler2D picture;
+out vec4 colour;
+void main() {
+  colour = texelFetch(picture, ivec2(gl_FragCoord.x, float(textureSize(picture, 0).y) - gl_FragCoord.y), 0);
+}`;

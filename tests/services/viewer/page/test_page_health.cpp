@@ -53,6 +53,13 @@ TEST_F(PageHealth, AtTheEndOfALogStatesAreThoseOfThenAndNoAlarms) {
   keep_picture("end_of_a_log");
 }
 
+TEST_F(PageHealth, TheTimeLineOfALogSaysHowLongItIs) {
+  put_roads(-1, 1);
+  open("theme=light");
+  send_playback();
+  EXPECT_TRUE(shows("#elapsed", "0:12 / 0:30")) << text_of("#elapsed");
+}
+
 TEST_F(PageHealth, AtTheEndOfALogThereIsNoLatency) {
   put_roads(-1, 1);
   open("theme=light");
