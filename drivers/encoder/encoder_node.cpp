@@ -254,6 +254,7 @@ void EncoderNode::on_stamp(std::int64_t now, const Arrived& arrived, const Perio
     start_.begin(arrived.receive_utime);
     output_.restart(stamp.utime);
   }
+  start_.move_earlier(stamp.earlier);
   const Sample sample = arrived.update(elapsed);
   if (!sample) {
     refusal_ = config_.signals.kind == SignalKind::kSpeeds ? "refused.jump" : odometer_.refusal();
@@ -263,7 +264,7 @@ void EncoderNode::on_stamp(std::int64_t now, const Arrived& arrived, const Perio
   wheels_t message = WheelsOutput::message(*sample, stamp.utime);
   for (std::size_t i = 0; i < 2; ++i) message.faults[i] = arrived.faults[i];
   message.enabled = arrived.enabled;
-  start_.pass(std::move(message), arrived.receive_utime, stamp.earlier, publish_it);
+  start_.pass(std::move(message), arrived.receive_utime, publish_it);
 }
 
 void EncoderNode::finish() {
