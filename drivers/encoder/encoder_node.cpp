@@ -87,7 +87,7 @@ EncoderNode::EncoderNode(const EncoderConfig& config, Publisher& bus, Send send)
               }}),
       signals_(signals_of(config)),
       odometer_(odometer_settings(config)),
-      speedometer_(odometer_settings(config)),
+      speedometer_(odometer_settings(config), signals_ ? signals_->resolution() : 0),
       stuck_(config.counts_per_revolution),
       senders_(config.counts_per_revolution, config.max_speed),
       first_period_(std::int64_t{config.period} * 1000),
@@ -257,7 +257,7 @@ void EncoderNode::on_stamp(std::int64_t now, const Arrived& arrived, const Perio
   start_.move_earlier(stamp.earlier);
   const Sample sample = arrived.update(elapsed);
   if (!sample) {
-    refusal_ = config_.signals.kind == SignalKind::kSpeeds ? "refused.jump" : odometer_.refusal();
+    refusal_ = config_.signals.kind == SignalKind::kSpeeds ? speedometer_.refusal() : odometer_.refusal();
     return;
   }
   if (arrived.stuck) return counters_.add("withheld.stuck");

@@ -96,6 +96,22 @@ TEST_F(ModbusNodeTest, OneReadingThatCannotBeIsRefused) {
   EXPECT_NEAR(recorder_.messages().back().angle[0] - angle, 0.2, 0.01);
 }
 
+TEST_F(ModbusNodeTest, OneReadingThatLeapsIsRefusedThoughAWheelCanTurnThatFar) {
+  run(20);
+  const double angle = recorder_.messages().back().angle[0];
+  for (const int leap : {64, -256, 1024}) {
+    now_ += kPeriod;
+    reading_.utime = now_;
+    reading_.time += kPeriod;
+    reading_.counts[0] += leap;
+    node_.on_reading(now_, reading_);
+    run(5);
+  }
+  EXPECT_EQ(node_.report().counters["refused.outlier"], 3);
+  EXPECT_EQ(recorder_.messages().size(), 34U);
+  EXPECT_NEAR(recorder_.messages().back().angle[0] - angle, 15 * 0.2, 0.01);
+}
+
 TEST_F(ModbusNodeTest, AGatewayThatRenewsItsCountsMoreRarelyThanItIsAskedMakesNoWrongSpeed) {
   run(2);
   for (int i = 0; i < 100; ++i) {
