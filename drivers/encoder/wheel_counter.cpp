@@ -11,7 +11,6 @@ constexpr int kMaxSuspects = 3;       // consecutive samples that agree with eac
 constexpr double kAcceleration = 20;  // rad/s^2, of a wheel
 constexpr double kUnexplained = 0.5;  // rad, of a wheel that slips for one sample
 constexpr double kAtZero = 4;         // counts
-constexpr double kAlike = 0.1;        // of a turn: both wheels turn alike, forwards or on the spot
 }  // namespace
 
 /// Difference modulo 2^32: correct across the wrap.
@@ -94,9 +93,9 @@ bool WheelCounter::is_outlier(const std::array<double, 2>& moved) {
   return leap_.refuses({moved[0] - rate_[0] * time, moved[1] - rate_[1] * time}, tolerance(time, rate_time_));
 }
 
-/// The first counts may be damaged. They are good if both wheels stand still or have turned alike; else the second
-/// sample waits for the third, until two steps agree. If the first step is not confirmed, the counts begin after it,
-/// and the rate that is found tells the distance from the first sample, which was published.
+/// The first counts may be damaged. They are good if both wheels stand still or have turned alike, forwards or on the
+/// spot; else the second sample waits for the third, until two steps agree. If the first step is not confirmed, the
+/// counts begin after it, and the rate that is found tells the distance from the first sample, which was published.
 bool WheelCounter::is_unconfirmed_start(const Raw& raw, const std::array<double, 2>& moved) {
   const auto are_near = [](const std::array<double, 2>& error, double limit) {
     return std::abs(error[0]) <= limit && std::abs(error[1]) <= limit;
@@ -104,7 +103,7 @@ bool WheelCounter::is_unconfirmed_start(const Raw& raw, const std::array<double,
   const double limit = tolerance(since_accepted_, 0);
   const double least = std::min(std::abs(moved[0]), std::abs(moved[1]));
   const double most = std::max(std::abs(moved[0]), std::abs(moved[1]));
-  const bool believed = most - least <= limit + kAlike * most || unconfirmed_ >= kMaxUnconfirmed;
+  const bool believed = most - least <= 2 * limit || unconfirmed_ >= kMaxUnconfirmed;
   if (are_near(moved, limit) || (believed && possible(moved, since_accepted_))) return false;
   ++unconfirmed_;
   if (second_) {
