@@ -77,7 +77,7 @@ EncoderNode::EncoderNode(const EncoderConfig& config, Publisher& bus, Send send)
               [this] {
                 drop_held();
                 forget_counts();
-                odometer_.restart();
+                odometer_.restart_near_zero();
                 stuck_.restart();
               },
               [this] {

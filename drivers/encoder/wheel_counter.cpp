@@ -28,7 +28,9 @@ double WheelCounter::step(const Raw& from, const Raw& to) {
 }
 
 std::optional<WheelCounter::Sample> WheelCounter::update(const Raw& raw, double elapsed) {
+  if (has_booted_ && is_near_zero(raw, since_accepted_ + elapsed)) last_.reset();
   if (!last_) {
+    has_booted_ = false;
     last_ = raw;
     since_accepted_ = rate_time_ = unknown_ = 0;
     suspects_ = unconfirmed_ = 0;
@@ -74,6 +76,7 @@ std::optional<WheelCounter::Sample> WheelCounter::update(const Raw& raw, double 
     total_[i] += static_cast<std::int64_t>(settings_.inverted[i] ? -counts : counts);
   }
   unknown_ = 0;
+  has_booted_ = false;
   return sample(moved, time);
 }
 
@@ -126,6 +129,11 @@ bool WheelCounter::is_unconfirmed_start(const Raw& raw, const std::array<double,
 bool WheelCounter::possible(const std::array<double, 2>& moved, double time) const {
   const double limit = settings_.max_speed * settings_.counts_per_revolution / (2 * std::numbers::pi);
   return std::abs(moved[0]) <= limit * time && std::abs(moved[1]) <= limit * time;
+}
+
+/// Whether the wheels can have turned that far from zero within `time` s.
+bool WheelCounter::is_near_zero(const Raw& raw, double time) const {
+  return possible({static_cast<double>(raw[0]), static_cast<double>(raw[1])}, time);
 }
 
 double WheelCounter::accelerated(double time) const {

@@ -44,6 +44,9 @@ class WheelCounter {
   [[nodiscard]] const char* refusal() const { return refusal_; }
   /// The drive's counts restart with the next sample.
   void restart() { last_.reset(); }
+  /// The drive says that it has booted: its counts restart with the next sample if that is near zero. A drive that
+  /// keeps its counts goes on, and so does one that has not booted: a damaged digit in a heartbeat says so too.
+  void restart_near_zero() { has_booted_ = true; }
 
   /// `elapsed` s have passed since the last update() or pass() call without known counts.
   void skip(double elapsed);
@@ -74,6 +77,7 @@ class WheelCounter {
   /// Whether the rate and a realistic acceleration explain the turn.
   [[nodiscard]] bool explained(std::size_t wheel, double moved, double time) const;
   [[nodiscard]] bool counts_were_reset(const Raw& raw, const std::array<double, 2>& moved) const;
+  [[nodiscard]] bool is_near_zero(const Raw& raw, double time) const;
   [[nodiscard]] bool is_stale(const std::array<double, 2>& moved) const;
   [[nodiscard]] bool is_outlier(const std::array<double, 2>& moved);
   [[nodiscard]] bool is_unconfirmed_start(const Raw& raw, const std::array<double, 2>& moved);
@@ -96,6 +100,7 @@ class WheelCounter {
     double since = 0;  // s
   };
   std::optional<Second> second_;
+  bool has_booted_ = false;
   int unconfirmed_ = 0;
   double unknown_ = 0;  // s, from the first sample to the first of the confirmed ones
   LoneLeap leap_;

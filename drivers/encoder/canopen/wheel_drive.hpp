@@ -57,7 +57,7 @@ class WheelDrive {
   struct Handlers {
     std::function<void(const can::CanFrame&)> send;
     std::function<void(std::int64_t receive_utime, std::array<std::int32_t, 2> counts)> on_counts;
-    std::function<void()> on_restart;       ///< the drive has booted: its counts restart
+    std::function<void()> on_restart;       ///< it says that the drive has booted: its counts restart
     std::function<void()> on_stop = [] {};  ///< the next positions have another phase
   };
 

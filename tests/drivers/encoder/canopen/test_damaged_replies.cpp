@@ -45,6 +45,15 @@ TEST_F(DamagedReplies, AHeartbeatOfAnotherStateStopsNothing) {
   expect_true_messages();
 }
 
+TEST_F(DamagedReplies, AHeartbeatThatBecameABootUpLosesNoDistance) {
+  damage_next(is_heartbeat, 0, 0x05);
+  rig_.run_for(3'000'000);
+  EXPECT_EQ(rig_.count("drive.boots"), 2) << "the first one was one";
+  EXPECT_THAT(faults(), IsEmpty());
+  EXPECT_GT(rig_.messages().size(), 450U);
+  expect_true_messages();
+}
+
 TEST_F(DamagedReplies, AFaultWordThatIsReadOnceIsNoFault) {
   damage_next(is_reply_of(0x3F, 0x60), 4, 0x08);
   expect_no_fault_for(30);
