@@ -100,22 +100,20 @@ bool WheelCounter::is_outlier(const std::array<double, 2>& moved) {
 /// spot; else the second sample waits for the third, until two steps agree. If the first step is not confirmed, the
 /// counts begin after it, and the rate that is found tells the distance from the first sample, which was published.
 bool WheelCounter::is_unconfirmed_start(const Raw& raw, const std::array<double, 2>& moved) {
-  const auto are_near = [](const std::array<double, 2>& error, double limit) {
-    return std::abs(error[0]) <= limit && std::abs(error[1]) <= limit;
-  };
   const double limit = tolerance(since_accepted_, 0);
   const double least = std::min(std::abs(moved[0]), std::abs(moved[1]));
   const double most = std::max(std::abs(moved[0]), std::abs(moved[1]));
-  const bool believed = most - least <= 2 * limit || unconfirmed_ >= kMaxUnconfirmed;
-  if (are_near(moved, limit) || (believed && possible(moved, since_accepted_))) return false;
+  const bool can_be = possible(moved, since_accepted_);
+  const bool alike = most - least <= 2 * limit;  // both stand, too
+  if (can_be && (alike || unconfirmed_ >= kMaxUnconfirmed)) return false;
   ++unconfirmed_;
   if (second_) {
     const double time = second_->since;
     const double ratio = second_->time > 0 ? time / second_->time : 1;
     const std::array<double, 2> step = difference(second_->raw, raw);
-    if (possible(step, time) && are_near({step[0] - ratio * second_->moved[0], step[1] - ratio * second_->moved[1]},
-                                         tolerance(time, second_->time)))
-      return false;
+    const double change =
+        std::max(std::abs(step[0] - ratio * second_->moved[0]), std::abs(step[1] - ratio * second_->moved[1]));
+    if (can_be && possible(step, time) && change <= tolerance(time, second_->time)) return false;
     unknown_ += second_->time;
     last_ = second_->raw;
     since_accepted_ = time;

@@ -46,6 +46,16 @@ TEST(WheelCounterTest, AFirstStepOfWhichOneWheelMayBeDamagedWaitsForTheNext) {
   }
 }
 
+TEST(WheelCounterTest, AFirstStepThatCannotBeIsNotConfirmedByTheNext) {
+  WheelCounter odometer({});
+  odometer.update({0, 0}, 0);
+  EXPECT_FALSE(odometer.update({5'000'000, 0}, 0.4));
+  EXPECT_FALSE(odometer.update({5'000'010, 0}, 0.00001));
+  const auto sample = odometer.update({5'000'010, 0}, 0.01);
+  ASSERT_TRUE(sample);
+  EXPECT_LT(std::abs(sample->speed[0]), 150);
+}
+
 TEST(WheelCounterTest, UnwrapsInBothDirections) {
   WheelCounter odometer({});
   odometer.update({0x7FFFFFF0, -0x7FFFFFF0}, 0);
