@@ -19,12 +19,11 @@ namespace {
 using test::kSecond;
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 std::unique_ptr<simulate::devices::Rs16Emulator> rs16_at_600(double elevations_off = 0) {
   simulate::devices::Rs16EmulatorConfig config;
   config.rpm = 600;
-  for (auto& elevation : config.elevations) elevation += static_cast<float>(elevations_off);
+  for (auto& elevation : config.elevations) elevation += elevations_off;
   return std::make_unique<simulate::devices::Rs16Emulator>(config);
 }
 
