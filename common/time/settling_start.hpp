@@ -24,11 +24,13 @@ class SettlingStart {
     begun_ = received;
     settling_ = true;
   }
-  /// Takes the next sample, which lowered the clock's offset by `earlier` us: see ClockOffset. Then calls send(message)
-  /// for each sample that may be published.
+  /// A sample lowered the clock's offset by `us`, whether it is published or refused: see ClockOffset.
+  void move_earlier(std::int64_t us) {
+    for (Message& waiting : waiting_) waiting.utime -= us;
+  }
+  /// Takes the next sample. Then calls send(message) for each sample that may be published.
   template <class Send>
-  void pass(Message message, std::int64_t received, std::int64_t earlier, Send&& send) {
-    for (Message& waiting : waiting_) waiting.utime -= earlier;
+  void pass(Message message, std::int64_t received, Send&& send) {
     waiting_.push_back(std::move(message));
     settling_ = settling_ && received - begun_ < kSettling && waiting_.size() < kMaxWaiting;
     if (!settling_) release(send);

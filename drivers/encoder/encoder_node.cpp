@@ -77,7 +77,7 @@ EncoderNode::EncoderNode(const EncoderConfig& config, Publisher& bus, Send send)
               [this] {
                 drop_held();
                 forget_counts();
-                odometer_.restart();
+                odometer_.restart_near_zero();
                 stuck_.restart();
               },
               [this] {
@@ -87,7 +87,7 @@ EncoderNode::EncoderNode(const EncoderConfig& config, Publisher& bus, Send send)
               }}),
       signals_(signals_of(config)),
       odometer_(odometer_settings(config)),
-      speedometer_(odometer_settings(config)),
+      speedometer_(odometer_settings(config), signals_ ? signals_->resolution() : 0),
       stuck_(config.counts_per_revolution),
       senders_(config.counts_per_revolution, config.max_speed),
       first_period_(std::int64_t{config.period} * 1000),
@@ -254,16 +254,17 @@ void EncoderNode::on_stamp(std::int64_t now, const Arrived& arrived, const Perio
     start_.begin(arrived.receive_utime);
     output_.restart(stamp.utime);
   }
+  start_.move_earlier(stamp.earlier);
   const Sample sample = arrived.update(elapsed);
   if (!sample) {
-    refusal_ = config_.signals.kind == SignalKind::kSpeeds ? "refused.jump" : odometer_.refusal();
+    refusal_ = config_.signals.kind == SignalKind::kSpeeds ? speedometer_.refusal() : odometer_.refusal();
     return;
   }
   if (arrived.stuck) return counters_.add("withheld.stuck");
   wheels_t message = WheelsOutput::message(*sample, stamp.utime);
   for (std::size_t i = 0; i < 2; ++i) message.faults[i] = arrived.faults[i];
   message.enabled = arrived.enabled;
-  start_.pass(std::move(message), arrived.receive_utime, stamp.earlier, publish_it);
+  start_.pass(std::move(message), arrived.receive_utime, publish_it);
 }
 
 void EncoderNode::finish() {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/bus/counters.hpp"
+#include "drivers/encoder/lone_leap.hpp"
 
 namespace curbstone::encoder {
 
@@ -13,7 +14,9 @@ namespace curbstone::encoder {
 ///
 /// Counts: refused.jump (more than the wheels can turn, or a sudden zero; one corrupted frame), refused.old_counts (a
 /// count has not changed, though the wheel was too fast to have stopped; the distance is in the next sample),
-/// counts_restarted (a jump that persists: the drive has restarted its counts; the distance in the meantime is lost).
+/// refused.outlier (a count that leaps away from those before it, and that the next one does not confirm; also the
+/// first ones, until two steps agree), counts_restarted (a jump that persists: the drive has restarted its counts; the
+/// distance in the meantime is lost).
 class WheelCounter {
  public:
   using Raw = std::array<std::int32_t, 2>;
@@ -30,6 +33,8 @@ class WheelCounter {
 
   /// Counts per period: to stop at once from there takes 20 m/s^2 at 4096 counts, 0.17 m and 100 Hz.
   static constexpr double kTooFast = 8;
+  static constexpr double kBraking = 60;     ///< rad/s^2, of a wheel: 10 m/s^2 at 0.17 m
+  static constexpr int kMaxUnconfirmed = 5;  ///< first samples that do not agree; the next is believed
 
   explicit WheelCounter(const Settings& settings) : settings_(settings) {}
 
@@ -39,9 +44,12 @@ class WheelCounter {
   [[nodiscard]] const char* refusal() const { return refusal_; }
   /// The drive's counts restart with the next sample.
   void restart() { last_.reset(); }
+  /// The drive says that it has booted: its counts restart with the next sample if that is near zero. A drive that
+  /// keeps its counts goes on, and so does one that has not booted: a damaged digit in a heartbeat says so too.
+  void restart_near_zero() { has_booted_ = true; }
 
   /// `elapsed` s have passed since the last update() or pass() call without known counts.
-  void skip(double elapsed) { since_accepted_ += elapsed; }
+  void skip(double elapsed);
 
   /// Number of periods of `period` s (least..most) since the last update() or pass() call, assuming that the wheels did
   /// not accelerate more than vehicles do. Nothing if the counts do not show it, as with slow wheels.
@@ -69,7 +77,12 @@ class WheelCounter {
   /// Whether the rate and a realistic acceleration explain the turn.
   [[nodiscard]] bool explained(std::size_t wheel, double moved, double time) const;
   [[nodiscard]] bool counts_were_reset(const Raw& raw, const std::array<double, 2>& moved) const;
+  [[nodiscard]] bool is_near_zero(const Raw& raw, double time) const;
   [[nodiscard]] bool is_stale(const std::array<double, 2>& moved) const;
+  [[nodiscard]] bool is_outlier(const std::array<double, 2>& moved);
+  [[nodiscard]] bool is_unconfirmed_start(const Raw& raw, const std::array<double, 2>& moved);
+  /// counts, of a prediction for `time` s from a rate over `rate_time` s.
+  [[nodiscard]] double tolerance(double time, double rate_time) const;
   [[nodiscard]] Sample sample(const std::array<double, 2>& moved, double elapsed) const;
 
   Settings settings_;
@@ -80,6 +93,17 @@ class WheelCounter {
   double since_accepted_ = 0;            // s
   std::optional<Raw> suspect_;           // the latest refused sample
   int suspects_ = 0;
+  struct Second {  // the counts after the first ones, while no step confirms the first step
+    Raw raw;
+    std::array<double, 2> moved;
+    double time;       // s, of that step
+    double since = 0;  // s
+  };
+  std::optional<Second> second_;
+  bool has_booted_ = false;
+  int unconfirmed_ = 0;
+  double unknown_ = 0;  // s, from the first sample to the first of the confirmed ones
+  LoneLeap leap_;
   const char* refusal_ = "refused.jump";
   Counters counters_;
 };

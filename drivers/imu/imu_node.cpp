@@ -98,6 +98,7 @@ void ImuNode::stamp_untimed(std::int64_t receive_utime) {
 void ImuNode::use(const device::ImuSample& sample, HostTime at) {
   sequence_ = next_sequence_number(sequence_, std::int64_t{1} + sample.missing);
   last_sample_ = sample.received;
+  start_.move_earlier(at.earlier);
 
   if (sample.self_test_passed) self_test_failed_ = !*sample.self_test_passed;
   verdict_ = plausibility_.judge(at.utime, sample.acceleration, sample.angular_rate, sample.fine_steps);
@@ -119,7 +120,7 @@ void ImuNode::use(const device::ImuSample& sample, HostTime at) {
   message.has_orientation = sample.orientation.has_value();
   if (sample.orientation) std::ranges::copy(*sample.orientation, message.orientation);
   message.temperature = static_cast<float>(sample.temperature.value_or(std::numeric_limits<double>::quiet_NaN()));
-  start_.pass(std::move(message), sample.received, at.earlier, [&](imu_t& m) { publish(m, sample.received); });
+  start_.pass(std::move(message), sample.received, [&](imu_t& m) { publish(m, sample.received); });
 }
 
 /// An axis that is stuck at the end of its range is not reported as clipping: it is not used in any case.

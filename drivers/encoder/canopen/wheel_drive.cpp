@@ -31,6 +31,11 @@ constexpr std::int64_t kSetUpRetryPeriod = 1'000'000;  // us, after a set-up tha
 constexpr std::int64_t kOldFaults = 5'000'000;          // us, of the fault word: five polls
 constexpr std::int64_t kHeartbeatPatience = 3'000'000;  // us: three periods of the slowest usual heartbeat
 
+bool is_state(NmtState state) {
+  return state == NmtState::kBootUp || state == NmtState::kStopped || state == NmtState::kOperational ||
+         state == NmtState::kPreOperational;
+}
+
 /// CiA 402 "fault" or "fault reaction", or the drive's own alarm bit.
 bool in_alarm(std::uint16_t word) {
   return (word & 0x4F) == 0x08 || (word & 0x4F) == 0x0F || (word & 0x80) != 0;
@@ -123,6 +128,7 @@ void WheelDrive::start(std::int64_t now) {
   last_heartbeat_ = 0;
   nodes_.forget();
   is_heard_ = false;
+  lines_read_ = faults_read_ = {};
   status_ = {};  // it may be another drive, or have been switched off and on
   restart(now);
 }
@@ -230,15 +236,18 @@ void WheelDrive::on_frame(std::int64_t receive_utime, const can::CanFrame& frame
 void WheelDrive::on_heartbeat(std::int64_t now, const can::CanFrame& frame) {
   if (frame.size != 1) return counters_.add("refused.length");
   const auto state = static_cast<NmtState>(frame.data[0] & 0x7F);
+  if (!is_state(state)) return counters_.add("refused.heartbeat");
   last_heartbeat_ = state == NmtState::kBootUp ? 0 : now;  // a boot-up promises no heartbeats
-  nmt_state_ = state;
+  const bool confirmed = std::exchange(latest_state_, state) == state;
+  if (confirmed) nmt_state_ = state;
   if (state == NmtState::kBootUp) {  // the set-up is lost
     counters_.add("drive.boots");
     boots_.add(now);
     handlers_.on_restart();
     status_ = {};
     restart(now);
-  } else if (state_ == State::kRunning && state != NmtState::kOperational && now - since_ > settings_.patience) {
+  } else if (state_ == State::kRunning && confirmed && state != NmtState::kOperational &&
+             now - since_ > settings_.patience) {
     counters_.add("drive.stops");
     restart(now);
     nmt_state_ = state;
@@ -274,13 +283,16 @@ void WheelDrive::poll(std::int64_t now) {
   using Status = SdoClient::Result::Status;
   if (!encoder_lines_) {
     sdo_.read(now, kEncoderLines, [this](std::int64_t, const SdoClient::Result& result) {
-      encoder_lines_ = result.status == Status::kOk ? result.value : 0;
+      const bool answered = result.status == Status::kOk;
+      if (!answered || lines_read_.add(result.value)) encoder_lines_ = answered ? result.value : 0;
     });
   } else if (poll_now_ || has_passed(kPollPeriod, last_poll_, now)) {
     poll_now_ = false;
     last_poll_ = now;
     sdo_.read(now, kFaults, [this](std::int64_t at, const SdoClient::Result& result) {
       if (result.status != Status::kOk) return;
+      poll_now_ = !faults_read_.add(result.value);
+      if (poll_now_) return;
       status_.faults = halves(result.value);
       status_.faults_utime = at;
       if (result.value == 0) status_.emergency = status_.error_register = 0;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/bus/counters.hpp"
@@ -36,10 +37,13 @@ struct DriveStatus {
 /// frames are arguments, output goes to the handlers. TPDO1 carries both positions, TPDO2 status and speeds. Source:
 /// CiA 301, CiA 402; ZLAC8015D CANopen manual.
 ///
+/// On a line without a checksum (SLCAN) a digit may be damaged in any frame: what an SDO reads counts when it was read
+/// twice, and a state in a heartbeat, other than a boot-up, when two heartbeats in a row say so.
+///
 /// The first positions after a start of the drive are ignored, and the same again at once: they answer the start, and
 /// the event timer begins later. Counts: drive.setups, drive.boots, drive.silences, drive.stops (left operational
 /// without this master's command), drive.emergencies, ignored.frames, ignored.unconfigured, ignored.first,
-/// refused.length, and those of SdoClient.
+/// refused.length, refused.heartbeat (a state that CANopen does not have), and those of SdoClient.
 class WheelDrive {
  public:
   struct Settings {
@@ -53,7 +57,7 @@ class WheelDrive {
   struct Handlers {
     std::function<void(const can::CanFrame&)> send;
     std::function<void(std::int64_t receive_utime, std::array<std::int32_t, 2> counts)> on_counts;
-    std::function<void()> on_restart;       ///< the drive has booted: its counts restart
+    std::function<void()> on_restart;       ///< it says that the drive has booted: its counts restart
     std::function<void()> on_stop = [] {};  ///< the next positions have another phase
   };
 
@@ -73,7 +77,7 @@ class WheelDrive {
   /// "; heard instead: CAN node 2", while nothing is heard of this drive since the link came up; else empty.
   [[nodiscard]] std::string heard_instead() const { return is_heard_ ? "" : nodes_.instead_of(settings_.node); }
   /// Number of refused frames.
-  [[nodiscard]] std::int64_t refused() const { return counters_["refused.length"]; }
+  [[nodiscard]] std::int64_t refused() const { return counters_["refused.length"] + counters_["refused.heartbeat"]; }
   [[nodiscard]] Counters counters() const;
   /// The CAN ids that a source must pass on.
   [[nodiscard]] static std::vector<std::uint32_t> ids(std::uint8_t node);
@@ -86,6 +90,11 @@ class WheelDrive {
     bool required;
   };
   enum class State { kIdle, kSettingUp, kRunning, kFailed };
+  /// A value that was read twice in a row.
+  struct TwiceRead {
+    std::optional<std::uint32_t> latest;
+    bool add(std::uint32_t value) { return std::exchange(latest, value) == value; }
+  };
 
   [[nodiscard]] std::vector<Write> setup_sequence() const;
   [[nodiscard]] bool is_from_drive(const can::CanFrame& frame) const;
@@ -112,12 +121,14 @@ class WheelDrive {
   std::int64_t last_tick_ = 0;
   std::int64_t began_ = 0;                       // when the link came up
   std::int64_t last_heartbeat_ = 0;              // 0: none since then
-  NmtState nmt_state_ = NmtState::kOperational;  // by the latest heartbeat
+  NmtState nmt_state_ = NmtState::kOperational;  // by the latest two heartbeats
+  NmtState latest_state_ = NmtState::kOperational;
   bool poll_now_ = false;
   DriveStatus status_;
   static constexpr std::size_t kManyBoots = 3;  // within a minute
   RecentTimes boots_{kManyBoots, 60'000'000};
   std::optional<std::uint32_t> encoder_lines_;
+  TwiceRead lines_read_, faults_read_;
   NodesHeard nodes_;
   bool is_heard_ = false;  // any frame of the drive, since the link came up
   std::string fault_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -35,6 +36,10 @@ class WheelSignals {
 
   /// That of the narrower counter, see CanSignal.
   [[nodiscard]] double half_range() const { return std::min(signals_[0].half_range(), signals_[1].half_range()); }
+  /// The least difference of two values, of the coarser signal.
+  [[nodiscard]] double resolution() const {
+    return std::max(std::abs(signals_[0].factor), std::abs(signals_[1].factor));
+  }
   /// The ids that a source must pass on; bit 31 marks a 29-bit id.
   [[nodiscard]] std::vector<std::uint32_t> ids() const;
   [[nodiscard]] const Counters& counters() const { return counters_; }

@@ -15,7 +15,8 @@ struct StampedSample {
 class SettlingStartTest : public ::testing::Test {
  protected:
   void pass(std::int64_t utime, std::int64_t received, std::int64_t earlier = 0) {
-    start_.pass({utime}, received, earlier, send_);
+    start_.move_earlier(earlier);
+    start_.pass({utime}, received, send_);
   }
   SettlingStart<StampedSample> start_;
   std::vector<std::int64_t> sent_;
@@ -34,6 +35,15 @@ TEST_F(SettlingStartTest, WhatCameFirstWaitsAndIsPutEarlierByWhatComesLater) {
   EXPECT_EQ(sent_, (std::vector<std::int64_t>{10'000, 20'000, 30'000, 125'000}));
   pass(135'000, 136'000, 7'000);
   EXPECT_EQ(sent_.back(), 135'000) << "what has gone out stays";
+}
+
+TEST_F(SettlingStartTest, ASampleThatIsRefusedTellsOfTheOthersToo) {
+  start_.begin(25'000);
+  pass(25'000, 25'000);
+  start_.move_earlier(10'000);
+  pass(25'000, 25'000);
+  pass(125'000, 125'000);
+  EXPECT_EQ(sent_, (std::vector<std::int64_t>{15'000, 25'000, 125'000}));
 }
 
 TEST_F(SettlingStartTest, WithoutABeginningNothingWaits) {

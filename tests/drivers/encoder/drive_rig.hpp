@@ -60,7 +60,8 @@ class DriveRig {
   /// Raw counts: left forward, right mirrored.
   [[nodiscard]] std::int32_t raw(std::int64_t at, int side) const {
     const double counts = std::floor(angle(at) * kCounts / (2 * M_PI));
-    const auto whole = static_cast<std::int64_t>(side == 0 ? counts : -counts) + first_count;
+    const std::int64_t forward = static_cast<std::int64_t>(counts) + first_count;
+    const std::int64_t whole = side == 0 ? forward : -forward;
     return static_cast<std::int32_t>(static_cast<std::uint32_t>(whole));
   }
   [[nodiscard]] double angle(std::int64_t at) const { return speed * static_cast<double>(at - kStart) * 1e-6; }

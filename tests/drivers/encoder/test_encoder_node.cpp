@@ -161,7 +161,7 @@ TEST(EncoderNodeTest, WhatCameInABunchBeforeTheFirstPunctualSampleIsNotLost) {
       const std::int64_t received = test::DriveRig::kStart + std::max(busy, 10'000 * i + late);
       const auto count = static_cast<std::uint16_t>(40 * i);
       const auto low = static_cast<std::uint8_t>(count), high = static_cast<std::uint8_t>(count >> 8);
-      node.on_frame(received, can::CanFrame::make(0x181, {low, high, 0, 0, 0, 0, 0, 0}));
+      node.on_frame(received, can::CanFrame::make(0x181, {low, high, 0, 0, low, high, 0, 0}));
     }
     EXPECT_EQ(node.report().counters["dropped.not_newer"], 0) << busy;
     EXPECT_EQ(node.report().counters["lost.samples"], 0) << busy;

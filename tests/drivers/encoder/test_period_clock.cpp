@@ -205,11 +205,11 @@ class BadBus {
         settle_.release([&](Published& published) { judge(published); });
         settle_.begin(arrived_);
       }
+      settle_.move_earlier(stamp.earlier);
       if (!stamp.sure) {
         odometer_.skip(0.01 * stamp.steps);
       } else if (odometer_.update(had, 0.01 * stamp.steps)) {
-        settle_.pass({stamp.utime, was_taken}, arrived_, stamp.earlier,
-                     [&](Published& published) { judge(published); });
+        settle_.pass({stamp.utime, was_taken}, arrived_, [&](Published& published) { judge(published); });
       }
     }
   }

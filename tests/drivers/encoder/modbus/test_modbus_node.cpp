@@ -29,7 +29,7 @@ class ModbusNodeTest : public ::testing::Test {
       reading_.utime = now_;
       reading_.time = now_ - set_by_ - kBoot;
       reading_.round_trip = 4'000;
-      reading_.counts = {wrap(first_ + counts), wrap(first_ - counts)};
+      reading_.counts = {wrap(first_ + counts + leap_), wrap(first_ - counts)};
       if (!stale_) reading_.state_time = reading_.faults_time = reading_.time;
       node_.on_reading(now_ + 2'000, reading_);
       node_.tick(now_ + 2'000);
@@ -46,6 +46,7 @@ class ModbusNodeTest : public ::testing::Test {
   std::int64_t now_ = kStart;
   std::int64_t set_by_ = 0;  // us, the host's clock so far
   std::int64_t first_ = 0;
+  std::int64_t leap_ = 0;  // counts, of the left wheel
   double angle_ = 0;
   bool stale_ = false;
 };
@@ -89,11 +90,26 @@ TEST_F(ModbusNodeTest, OneReadingThatCannotBeIsRefused) {
   now_ += kPeriod;
   reading_.utime = now_;
   reading_.time += kPeriod;
+  angle_ += 10e-6 * kPeriod;
   reading_.counts[0] += 1 << 24;
   node_.on_reading(now_, reading_);
   run(1);
   EXPECT_EQ(node_.report().counters["refused.jump"], 1);
-  EXPECT_NEAR(recorder_.messages().back().angle[0] - angle, 0.2, 0.01);
+  EXPECT_NEAR(recorder_.messages().back().angle[0] - angle, 0.4, 0.01);
+}
+
+TEST_F(ModbusNodeTest, OneReadingThatLeapsIsRefusedThoughAWheelCanTurnThatFar) {
+  run(20);
+  const double angle = recorder_.messages().back().angle[0];
+  for (const int leap : {64, -256, 1024}) {
+    leap_ = leap;
+    run(1);
+    leap_ = 0;
+    run(5);
+  }
+  EXPECT_EQ(node_.report().counters["refused.outlier"], 3);
+  EXPECT_EQ(recorder_.messages().size(), 34U);
+  EXPECT_NEAR(recorder_.messages().back().angle[0] - angle, 18 * 0.2, 0.01);
 }
 
 TEST_F(ModbusNodeTest, AGatewayThatRenewsItsCountsMoreRarelyThanItIsAskedMakesNoWrongSpeed) {
