@@ -64,7 +64,7 @@ void VehicleLine::advance(std::int64_t now) {
 
 void VehicleLine::finish() {
   line_->end_drive();
-  settle();
+  if (last_beat_ != 0) settle();  // else there was no drive
   line_->finish();
 }
 
