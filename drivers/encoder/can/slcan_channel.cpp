@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <utility>
@@ -64,7 +63,7 @@ void SlcanChannel::start(std::int64_t now) {
 
 void SlcanChannel::on_bytes(std::int64_t receive_utime, std::span<const std::uint8_t> bytes) {
   parser_.parse(bytes, {[&](const CanFrame& frame) {
-                          last_frame_ = receive_utime;
+                          frames_.heard();
                           refused_in_a_row_ = 0;
                           if (state_ != State::kOpen) return;
                           refusal_.clear();
@@ -81,7 +80,7 @@ void SlcanChannel::on_bytes(std::int64_t receive_utime, std::span<const std::uin
 void SlcanChannel::on_answer(std::int64_t now, SlcanParser::Answer answer) {
   if (state_ == State::kOpen && unanswered_ == 0) return;  // answers nothing that was sent: noise
   unanswered_ = 0;
-  last_answer_ = now;
+  answers_.heard();
   const bool ok = answer == SlcanParser::Answer::kOk;
   refused_in_a_row_ = ok ? 0 : refused_in_a_row_ + 1;
   if (!ok && state_ != State::kClosing) counters_.add("slcan.refused");
@@ -109,7 +108,8 @@ void SlcanChannel::on_answer(std::int64_t now, SlcanParser::Answer answer) {
 
 void SlcanChannel::open(std::int64_t now) {
   state_ = State::kOpen;
-  last_frame_ = asked_ = now;
+  frames_.heard();
+  asked_ = now;
   unknown_flags_ = 0;
   if (handlers_.on_open) handlers_.on_open(now);
 }
@@ -125,13 +125,9 @@ void SlcanChannel::send(const CanFrame& frame) {
 
 void SlcanChannel::tick(std::int64_t now) {
   const auto waited = [&](std::int64_t period) { return has_passed(period, since_, now); };
-  // The host's clock was set, or the host slept: that was no silence of the adapter.
-  const std::int64_t pause = last_tick_ != 0 ? now - last_tick_ : 0;
   last_tick_ = now;
-  if (pause > kSilence / 2) {
-    last_frame_ = std::min(last_frame_ + pause, now);
-    last_answer_ = std::min(last_answer_ + pause, now);
-  }
+  frames_.tick(now);
+  answers_.tick(now);
   switch (state_) {
     case State::kIdle:
       start(now);
@@ -146,11 +142,11 @@ void SlcanChannel::tick(std::int64_t now) {
       if (waited(kAnswerTime)) open(now);  // assumed to be open; a silence will show if it is not
       break;
     case State::kOpen:
-      if (now - last_frame_ < kSilence) {
+      if (frames_.silent() < kSilence) {
         ask_for_flags(now);
         break;
       }
-      silence_ = now - last_answer_ < kSilence
+      silence_ = answers_.silent() < kSilence
                      ? "the SLCAN adapter answers, and no frame comes: bus-off, cable, or a drive without power?"
                      : "nothing from the SLCAN adapter: no frame and no answer";
       start(now);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/bus/counters.hpp"
+#include "common/time/silence_timer.hpp"
 #include "drivers/encoder/can/slcan.hpp"
 
 namespace curbstone::encoder::can {
@@ -54,10 +55,10 @@ class SlcanChannel {
   Handlers handlers_;
   SlcanParser parser_;
   State state_ = State::kIdle;
-  std::int64_t since_ = 0;        // us, begin of the state
-  std::int64_t last_frame_ = 0;   // us, of the latest frame, else of the opening
-  std::int64_t last_answer_ = 0;  // us
-  int unanswered_ = 0;            // frames sent
+  std::int64_t since_ = 0;  // us, begin of the state
+  SilenceTimer frames_;     // since the latest frame, else since the opening
+  SilenceTimer answers_;
+  int unanswered_ = 0;  // frames sent
   int refused_in_a_row_ = 0;
   std::string refusal_;       // fault of the latest opening
   std::string silence_;       // fault of the bus, until a frame is received

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -45,23 +44,23 @@ WitConfigurator::WitConfigurator(const Settings& settings, Send send) : settings
 
 void WitConfigurator::start(std::int64_t now) {
   started_ = true;
-  last_usable_ = now;
+  silence_.heard();
   if (!settings_.enabled) return;
   next_ = 0;
   sent_ = now - kPause;
 }
 
 void WitConfigurator::tick(std::int64_t now) {
-  // The host's clock was set, or the host slept: that was no silence of the device.
-  if (now - std::exchange(last_tick_, now) > settings_.patience / 2) last_usable_ = std::max(last_usable_, now);
+  silence_.tick(now);
   if (!started_) start(now);
   if (!settings_.enabled) return;
   if (next_ < commands_.size()) {
     if (now - sent_ < kPause && now >= sent_) return;
     send_(commands_[next_++]);
     counters_.add("device.commands");
-    sent_ = last_usable_ = now;
-  } else if (now - last_usable_ > settings_.patience) {
+    sent_ = now;
+    silence_.heard();
+  } else if (silence_.silent() > settings_.patience) {
     counters_.add("device.reconfigured");
     start(now);
   }

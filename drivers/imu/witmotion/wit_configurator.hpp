@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/bus/counters.hpp"
+#include "common/time/silence_timer.hpp"
 
 namespace curbstone::imu::witmotion {
 
@@ -30,7 +31,7 @@ class WitConfigurator {
 
   void start(std::int64_t now);
   /// A sample with time, acceleration and rate of turn was received.
-  void on_usable_sample(std::int64_t now) { last_usable_ = now; }
+  void on_usable_sample() { silence_.heard(); }
   void tick(std::int64_t now);
   /// Hz, the rate that is set in the device.
   [[nodiscard]] int rate() const { return rate_; }
@@ -44,10 +45,9 @@ class WitConfigurator {
   std::vector<std::vector<std::uint8_t>> commands_;
   int rate_ = 0;  // Hz
   bool started_ = false;
-  std::size_t next_ = 0;          // command
-  std::int64_t sent_ = 0;         // us, of the previous command
-  std::int64_t last_tick_ = 0;    // us
-  std::int64_t last_usable_ = 0;  // us, else of the end of the set-up
+  std::size_t next_ = 0;   // command
+  std::int64_t sent_ = 0;  // us, of the previous command
+  SilenceTimer silence_;   // since a usable sample, else since the end of the set-up
   std::string fault_;
   Counters counters_;
 };

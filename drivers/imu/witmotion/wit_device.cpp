@@ -129,7 +129,7 @@ void WitDevice::use_group(const Handler& handler) {
   const std::int64_t bits = group_.frames * static_cast<std::int64_t>(WitFrame::kSize) * 10;
   group_.sample.received = settings_.uart ? group_.ended - bits * 1'000'000 / settings_.baud : group_.begun;
   if (!judge_time()) return;
-  if (group_.ticks) configurator_.on_usable_sample(group_.ended);
+  if (group_.ticks) configurator_.on_usable_sample();
   watch_rate(group_.ended);
   handler(group_.sample);
 }

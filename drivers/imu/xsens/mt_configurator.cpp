@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <utility>
 
 #include "common/bytes/big_endian.hpp"
 
@@ -72,7 +70,7 @@ void MtConfigurator::enter(Step step, std::int64_t now) {
   step_ = step;
   tries_ = 0;
   if (step == Step::kMeasuring) {
-    last_usable_ = now;
+    silence_.heard();
   } else {
     send_command(now);
   }
@@ -151,13 +149,12 @@ void MtConfigurator::check_outputs(std::span<const std::uint8_t> effective) {
 }
 
 void MtConfigurator::tick(std::int64_t now) {
-  // The host's clock was set, or the host slept: that was no silence of the device.
-  if (now - std::exchange(last_tick_, now) > settings_.patience / 2) last_usable_ = std::max(last_usable_, now);
+  silence_.tick(now);
   if (!started_) return start(now);
   if (now - error_at_ > kErrorRemembered || now < error_at_) error_.clear();
   if (!settings_.enabled) return;
   if (step_ == Step::kMeasuring) {
-    if (now - last_usable_ <= settings_.patience) return;
+    if (silence_.silent() <= settings_.patience) return;
     counters_.add("device.reconfigured");
     enter(Step::kGotoConfig, now);
   } else if (now - sent_ >= kAnswerTime || now < sent_) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/bus/counters.hpp"
+#include "common/time/silence_timer.hpp"
 #include "drivers/imu/xsens/xbus_frame.hpp"
 
 namespace curbstone::imu::xsens {
@@ -35,7 +36,7 @@ class MtConfigurator {
   void start(std::int64_t now);
   void on_frame(std::int64_t now, const XbusFrame& frame);
   /// A sample with all requested items was received.
-  void on_usable_sample(std::int64_t now) { last_usable_ = now; }
+  void on_usable_sample() { silence_.heard(); }
   void tick(std::int64_t now);
 
   [[nodiscard]] bool measuring() const { return step_ == Step::kMeasuring; }
@@ -55,15 +56,14 @@ class MtConfigurator {
   Send send_;
   Step step_ = Step::kGotoConfig;
   bool started_ = false;
-  std::int64_t sent_ = 0;         // us, of the latest command
-  std::int64_t last_tick_ = 0;    // us
-  std::int64_t last_usable_ = 0;  // us, of the latest usable sample, else of the start of measurement
-  int tries_ = 0;                 // of the current command
-  int unanswered_ = 0;            // commands since the last acknowledgement
-  std::string refusal_;           // the device's latest error, until a set-up succeeds
-  std::string error_;             // the device's latest error while it measures
-  std::int64_t error_at_ = 0;     // us
-  std::string mismatch_;          // how the outputs differ from the requested ones
+  std::int64_t sent_ = 0;      // us, of the latest command
+  SilenceTimer silence_;       // since a usable sample, else since the start of measurement
+  int tries_ = 0;              // of the current command
+  int unanswered_ = 0;         // commands since the last acknowledgement
+  std::string refusal_;        // the device's latest error, until a set-up succeeds
+  std::string error_;          // the device's latest error while it measures
+  std::int64_t error_at_ = 0;  // us
+  std::string mismatch_;       // how the outputs differ from the requested ones
   Counters counters_;
 };
 

@@ -47,7 +47,7 @@ void XsensDevice::on_frame(std::int64_t now, const XbusFrame& frame, const Handl
   sample.received = now - (settings_.uart ? bits * 1'000'000 / settings_.baud : 0);
   if (!judge(data, sample)) return;
   if (!measure(data, sample)) return counters_.add("skipped.no_interval");
-  configurator_.on_usable_sample(now);
+  configurator_.on_usable_sample();
   sample.orientation = data.orientation;
   sample.temperature = data.temperature;
   if (data.status) {

@@ -175,6 +175,15 @@ TEST_F(WitNodeTest, ADeviceThatWasOffIsSetUpAgain) {
   EXPECT_THAT(node_->report().faults, IsEmpty());
 }
 
+TEST_F(WitNodeTest, AClockThatIsSetForwardIsNoSilenceOfTheDevice) {
+  make_node();
+  run_for(4'000'000);
+  const std::int64_t commands = count("device.commands");
+  now_ += 3'600'000'000;  // us; the next tick comes before the next sample
+  run_for(1'000'000);
+  EXPECT_EQ(count("device.commands"), commands);
+}
+
 TEST_F(WitNodeTest, ARateThatTheDeviceDoesNotHaveIsReported) {
   ImuConfig config;
   config.model = Model::kWitMotion;
