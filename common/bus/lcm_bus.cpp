@@ -143,9 +143,8 @@ class LcmBus::Impl {
   [[nodiscard]] std::optional<std::string> fault() const {
     if (why_closed_.empty()) return std::nullopt;
     return fmt::format(
-        "the bus {} is not open: {}: it opens as soon as multicast is routed (ip link set lo up; ip route replace "
-        "{}/32 "
-        "dev lo)",
+        "the bus {} is not open: {}: it opens as soon as multicast is routed (ip link set lo up; "
+        "ip route replace {}/32 dev lo)",
         url_, why_closed_, address_.group);
   }
 

@@ -156,11 +156,9 @@ void MapSender::finish(const dense_map::DenseMap& map) {
   while (!trajectory_.empty()) send_trajectory();
   while (const std::optional<TileKey> key = changed_.pop()) {
     const dense_map::DenseTile* tile = map.tile(*key);
-    const auto content = tile == nullptr ? nullptr : tile->read();
-    if (!content) {
-      catalog_.remove(*key);
-      continue;
-    }
+    if (tile == nullptr) continue;
+    const auto content = tile->read();
+    if (!content) continue;
     std::int32_t& sent = sent_[*key];
     while (sent < size_of(*content)) sent = send_records(*key, *tile, *content, sent, size_of(*content));
     catalog_.set_version(*key, sent);

@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::array<std::string_view, 4> kSections = {"ekf", "mapper", "tensor_voting", "semantic_map"};
 
-constexpr int kTicksPerRound = 4;
+constexpr std::int64_t kSettleStep = 1'000'000;  // us of message time by which settle() goes on
 constexpr double kBandwidth = 10'000;  // MB/s: this bus loses nothing, and what is far is released once it is published
 
 /// One process's configuration, and its section with all values as YAML.
@@ -81,12 +81,14 @@ Configuration configure(const ReplayOptions& given) {
 
 }  // namespace
 
-bool Settling::goes_on(const std::vector<Stage>& stages) {
+bool Settling::goes_on(const std::vector<Stage>& stages, std::int64_t now) {
   std::size_t outstanding = 0;
   for (const Stage& stage : stages) outstanding += stage.node->num_outstanding();
-  rounds_without_less_ = outstanding < least_ ? 0 : rounds_without_less_ + 1;
-  least_ = std::min(least_, outstanding);
-  return outstanding > 0 && rounds_without_less_ < kPatience;
+  if (outstanding < least_) {
+    least_ = outstanding;
+    since_ = now;
+  }
+  return outstanding > 0 && now - since_ < kPatience;
 }
 
 void check_configuration(const ReplayOptions& options) {
@@ -132,15 +134,24 @@ void ReplayVehicle::tick(std::int64_t now) {
   }
 }
 
-void ReplayVehicle::finish() {
+void ReplayVehicle::end_drive() {
+  settling_.emplace();
   for (Stage& stage : stages_) {
     stage.node->end_drive();
     bus_.dispatch();
   }
-  Settling settling;
-  do {
-    for (int i = 0; i < kTicksPerRound; ++i) tick(last_tick_ += tick_period_);
-  } while (settling.goes_on(stages_));
+}
+
+bool ReplayVehicle::settle() {
+  if (last_tick_ == 0) return false;  // there was no drive
+  if (!settling_) end_drive();
+  for (const std::int64_t until = last_tick_ + kSettleStep; last_tick_ < until;) tick(last_tick_ += tick_period_);
+  return settling_->goes_on(stages_, last_tick_);
+}
+
+void ReplayVehicle::finish() {
+  while (settle()) {
+  }
   for (Stage& stage : stages_) {
     stage.node->finish();
     bus_.dispatch();

@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,13 +43,16 @@ void check_configuration(const ReplayOptions& options);
 /// Decides how long time goes on after the end of a drive.
 class Settling {
  public:
-  /// Whether a further round of ticks is worth it: something is outstanding, and in the last rounds it became less.
-  [[nodiscard]] bool goes_on(const std::vector<Stage>& stages);
+  static constexpr std::int64_t kRound =
+      4'000'000;  ///< us of message time between two looks: an answer to a request takes no longer
+
+  /// Whether time has to go on beyond `now`, us: something is outstanding, and became less within the last kPatience.
+  [[nodiscard]] bool goes_on(const std::vector<Stage>& stages, std::int64_t now);
 
  private:
-  static constexpr int kPatience = 5;  // rounds
+  static constexpr std::int64_t kPatience = 5 * kRound;
   std::size_t least_ = std::numeric_limits<std::size_t>::max();
-  int rounds_without_less_ = 0;
+  std::int64_t since_ = 0;  // us
 };
 
 /// The services of the vehicle on one bus in one process and one thread: ekf, mapper, one tensor-voting worker,
@@ -61,6 +65,9 @@ class ReplayVehicle {
 
   /// Advances message time to `now`: ticks every node each `tick_period`.
   void advance(std::int64_t now);
+  /// After the last measurement: time goes on a little. Returns whether something is still outstanding. For a caller
+  /// that has others to serve in between.
+  bool settle();
   /// Ends the drive: time goes on until nothing is outstanding, then all pending work is finished, stage by stage.
   void finish();
 
@@ -68,11 +75,13 @@ class ReplayVehicle {
 
  private:
   void tick(std::int64_t now);
+  void end_drive();
 
   LocalBus& bus_;
   std::int64_t tick_period_;
   std::vector<Stage> stages_;
   std::int64_t last_tick_ = 0;
+  std::optional<Settling> settling_;  // once the drive is over
 };
 
 }  // namespace curbstone::replay

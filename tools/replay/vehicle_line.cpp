@@ -13,7 +13,6 @@ constexpr int kMapperBeats = 1;                // between two ticks
 constexpr int kOtherBeats = 8;                 // likewise; rare, so that each tile is computed once (at 3 s a voting
                                                // worker takes the mapper for silent)
 constexpr std::int64_t kMaxGap = 50;           // beats; longer gaps in the log are not ticked through
-constexpr int kRound = 2 * kOtherBeats;        // beats between two looks at what is outstanding
 constexpr std::int64_t kMaxMessages = 20'000;  // per beat; for a log whose time stands still
 
 enum Group : std::size_t { kMapping, kVoting, kSemantics, kNumGroups };
@@ -72,9 +71,9 @@ void VehicleLine::finish() {
 void VehicleLine::settle() {
   Settling settling;
   do {
-    for (int beat = 0; beat < kRound; ++beat) line_->beat(last_beat_ += kBeat, true);
+    for (std::int64_t beat = 0; beat < Settling::kRound / kBeat; ++beat) line_->beat(last_beat_ += kBeat, true);
     line_->wait();
-  } while (settling.goes_on(stages_));
+  } while (settling.goes_on(stages_, last_beat_));
 }
 
 }  // namespace curbstone::replay

@@ -80,9 +80,10 @@ void Drive::seek() {
 void Drive::work() {
   bus_.dispatch();
   if (!vehicle_ || is_finished_) return;
-  vehicle_->advance(player_.begin() + player_.position());
-  is_finished_ = player_.at_end();
-  if (is_finished_) vehicle_->finish();
+  if (!player_.at_end()) return vehicle_->advance(player_.begin() + player_.position());
+  if (vehicle_->settle()) return;  // the page is served in between
+  vehicle_->finish();
+  is_finished_ = true;
 }
 
 }  // namespace curbstone::view

@@ -29,7 +29,9 @@ class Relay final : public Node {
       bus_.publish("STEP" + std::to_string(number_ + 1), answer);
     });
   }
+  void end_drive() override { ended_after = heard_; }
   void tick(std::int64_t now) override {
+    ticked = now;
     if (throws_at == now) throw std::runtime_error("broken");
     tile_request_t ask{};
     ask.utime = now + heard_;
@@ -44,6 +46,8 @@ class Relay final : public Node {
   [[nodiscard]] NodeReport report() const override { return {}; }
 
   std::int64_t throws_at = -1;
+  std::int64_t ticked = 0;
+  std::int64_t ended_after = -1;  // messages
 
  private:
   void pass_on(tile_index_t m) {
@@ -107,6 +111,23 @@ TEST(StageLine, BringsAnswersToWhatWasAskedWithinTheLag) {
   EXPECT_GE(asked("ASK0"), 40);
   // What the two later groups ask last, when the drive is over, is after the first has finished.
   EXPECT_EQ(asked("STEP1"), 6000 + 1 + asked("ASK0") - 2);
+}
+
+TEST(StageLine, EndsADriveInEachGroupBehindItsMessagesAndTicksOn) {
+  for (const bool threads : {false, true}) {
+    Line line(threads);
+    tile_index_t message{};
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
+    message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    for (int i = 0; i < 100; ++i) line.line->deliver("STEP0", bytes);
+    line.line->end_drive();
+    for (int beat = 0; beat <= 30; ++beat) line.line->beat(1'000'000 + beat, true);
+    line.line->wait();
+    for (const auto& node : line.nodes) {
+      EXPECT_EQ(node->ended_after, 100);
+      EXPECT_EQ(node->ticked, 1'000'030) << "all have reached the last beat";
+    }
+  }
 }
 
 TEST(StageLine, ThrowsWhatANodeHasThrown) {
