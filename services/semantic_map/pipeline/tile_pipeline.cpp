@@ -305,6 +305,7 @@ void TilePipeline::settle_oldest() {
 WorkResult TilePipeline::run(const TileWork& work) {
   result_ = {};
   awakened_.clear();
+  let_sleep();
   switch (work.kind) {
     case TileWork::Kind::kUpdate:
       update(work.key);

@@ -52,8 +52,12 @@ class TilePipeline {
   void set_voted(tile::VotedTile voted, bool has_grown = false);
   /// Discards everything: another epoch begins.
   void clear();
-  /// The time by which tiles fall asleep, us, of any clock. If it is never set, no tile sleeps.
-  void set_time(std::int64_t now) { now_ = now; }
+  /// The time by which tiles fall asleep, us, of any clock. If it is never set, no tile sleeps. To be called as time
+  /// passes: while the vehicle stands nothing else puts tiles to sleep.
+  void set_time(std::int64_t now) {
+    now_ = now;
+    let_sleep();
+  }
 
   /// Does one piece of work; none for a tile without voted points.
   WorkResult run(const TileWork& work);

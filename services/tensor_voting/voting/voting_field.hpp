@@ -81,8 +81,12 @@ class VotingField {
   /// The tiles whose points or tensors changed since the last call, in order of their keys.
   [[nodiscard]] std::vector<TileKey> take_changed();
 
-  /// The time by which tiles fall asleep, us, of any clock. If it is never set, no tile sleeps.
-  void set_time(std::int64_t now) { now_ = now; }
+  /// The time by which tiles fall asleep, us, of any clock. If it is never set, no tile sleeps. To be called as time
+  /// passes: while the vehicle stands nothing else puts tiles to sleep.
+  void set_time(std::int64_t now) {
+    now_ = now;
+    sleep_unused();
+  }
   [[nodiscard]] std::size_t num_tiles() const { return tiles_.size(); }
   [[nodiscard]] bool is_asleep(TileKey key) const;
   [[nodiscard]] std::size_t num_asleep() const { return tiles_.size() - uses_.size(); }

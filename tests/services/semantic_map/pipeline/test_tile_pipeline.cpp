@@ -265,13 +265,14 @@ TEST_F(PipelineOfAStreet, WhatWokeToBeSettledSleepsAgain) {
   expect_as_at_once(pipeline);
 }
 
-TEST_F(PipelineOfAStreet, WhatAnOldStepWokeSleepsSooner) {
+TEST_F(PipelineOfAStreet, WhatAnOldStepWokeSleepsSoonerAlsoIfTheVehicleStands) {
   TilePipeline pipeline({}, {});
   for (const tile::VotedTile& tile : tiles()) pipeline.set_voted(tile);
   drive_on(pipeline, TilePipeline::kAwake);
   settle_oldest(pipeline);
   EXPECT_LT(pipeline.num_asleep(), tiles().size());
-  drive_on(pipeline, TilePipeline::kAwake + TilePipeline::kAwakeForOldStep);
+  const std::int64_t later = TilePipeline::kAwake + TilePipeline::kAwakeForOldStep;
+  for (std::size_t i = 0; i < tiles().size(); ++i) pipeline.set_time(later);
   EXPECT_EQ(pipeline.num_asleep(), tiles().size());
 }
 

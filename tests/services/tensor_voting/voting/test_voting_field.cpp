@@ -101,6 +101,14 @@ TEST_P(Field, WhatSleptHasTheSameBits) {
   EXPECT_EQ(contents(field, tiles), in_order_of_tiles(tiles, GetParam()));
 }
 
+TEST_P(Field, SleepsAlsoWhileTheVehicleStands) {
+  const test_clouds::Tiles tiles = test_clouds::as_tiles(test_clouds::street(2'000, 6));
+  VotingField field(GetParam());
+  add_shuffled(field, tiles, 1);
+  for (std::size_t i = 0; i < tiles.size(); ++i) field.set_time(VotingField::kAwake);
+  EXPECT_EQ(field.num_asleep(), tiles.size());
+}
+
 TEST_P(Field, RemovalLeavesTheBitsOfWhatRemains) {
   test_clouds::Tiles tiles = test_clouds::as_tiles(test_clouds::street(20'000, 2));
   VotingField field(GetParam());
