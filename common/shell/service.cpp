@@ -45,60 +45,94 @@ service_config_t config_message(const std::string& name, const std::string& sect
   return message;
 }
 
-void run(service_config_t config, const std::string& url, const std::string& hash, int nice,
-         const ServiceOptions& options, const std::function<std::unique_ptr<Node>(ServiceContext&)>& make) {
-  if (nice != 0) set_niceness(nice);
-  EventLoop loop;
-  LcmBus bus(url, LcmBus::WithoutRoute::kWait);
-  bus.gather(options.gather);
-  ServiceContext context{config.service, bus.url(), bus, bus, loop, [&bus](std::vector<std::string> channels) {
-                           bus.receive_large(std::move(channels));
-                         }};
-  const std::unique_ptr<Node> node = make(context);
-  node->connect(bus);
-  StatusReporter status(config.service, hash);
-  bus.subscribe<service_status_t>("SERVICE_STATUS", [&status](const service_status_t& m) { status.on_status(m); },
-                                  {100});
-  if (options.alone)
-    bus.subscribe<service_config_t>("CONFIG", [&](const service_config_t& m) { status.on_config(m, config); }, {100});
-  const auto publish_config = [&] {
-    config.utime = wall_clock();
-    bus.publish("CONFIG", config);
-  };
+/// A node with its bus and its loop.
+class Process {
+ public:
+  Process(service_config_t config, const std::string& url, const std::string& hash, const ServiceOptions& options,
+          const std::function<std::unique_ptr<Node>(ServiceContext&)>& make)
+      : config_(std::move(config)),
+        bus_(url, LcmBus::WithoutRoute::kWait),
+        context_{config_.service,
+                 bus_.url(),
+                 bus_,
+                 bus_,
+                 loop_,
+                 [this](std::vector<std::string> channels) { bus_.receive_large(std::move(channels)); }},
+        status_(config_.service, hash) {
+    bus_.gather(options.gather);
+    node_ = make(context_);
+    node_->connect(bus_);
+    watch_others(options);
+    schedule();
+  }
 
-  loop.watch(bus.fd(), [&] {
-    bus.handle(std::chrono::milliseconds(0));
-    node->caught_up(wall_clock());
-  });
-  loop.when_idle([&] { return node->idle(wall_clock()); });
-  ClockStep clock;
-  loop.every(std::chrono::milliseconds(20), [&] {
-    const std::int64_t before = steady_clock(), now = wall_clock(), steps = clock.steps();
-    clock.read(before, now, steady_clock());
-    if (clock.steps() != steps) node->clock_was_set(clock.recent().value_or(0));
-    node->tick(now);
-  });
-  const auto report = [&] {
-    NodeReport all = node->report();
-    if (auto fault = bus.fault()) all.faults.push_back(std::move(*fault));
+  /// Runs until a signal ends the loop.
+  void run() {
+    publish_status();
+    publish_config();
+    loop_.run();
+  }
+
+  /// Takes what has arrived before the end, and sends the rest.
+  void finish() {
+    for (int turn = 0; turn < kLastTurns; ++turn) bus_.handle(std::chrono::milliseconds(0));
+    node_->finish();
+    publish_status();
+  }
+
+ private:
+  /// Another process of the same name is a fault; with `alone`, any of the same task.
+  void watch_others(const ServiceOptions& options) {
+    bus_.subscribe<service_status_t>("SERVICE_STATUS", [this](const service_status_t& m) { status_.on_status(m); },
+                                     {100});
+    if (!options.alone) return;
+    bus_.subscribe<service_config_t>("CONFIG", [this](const service_config_t& m) { status_.on_config(m, config_); },
+                                     {100});
+  }
+
+  void schedule() {
+    loop_.watch(bus_.fd(), [this] {
+      bus_.handle(std::chrono::milliseconds(0));
+      node_->caught_up(wall_clock());
+    });
+    loop_.when_idle([this] { return node_->idle(wall_clock()); });
+    loop_.every(std::chrono::milliseconds(20), [this] { tick(); });
+    loop_.every(std::chrono::milliseconds(1000), [this] { publish_status(); });
+    loop_.every(kLookPeriod, [this] {
+      if (status_.faults_changed(report())) publish_status();
+    });
+    loop_.every(kConfigPeriod, [this] { publish_config(); });
+    loop_.every(kMemoryPeriod, [] { return_unused_memory(); });
+  }
+
+  void tick() {
+    const std::int64_t before = steady_clock(), now = wall_clock(), steps = clock_.steps();
+    clock_.read(before, now, steady_clock());
+    if (clock_.steps() != steps) node_->clock_was_set(clock_.recent().value_or(0));
+    node_->tick(now);
+  }
+
+  [[nodiscard]] NodeReport report() const {
+    NodeReport all = node_->report();
+    if (auto fault = bus_.fault()) all.faults.push_back(std::move(*fault));
     return all;
-  };
-  const auto publish_status = [&] { status.publish(bus, bus.counters(), report()); };
-  loop.every(std::chrono::milliseconds(1000), publish_status);
-  loop.every(kLookPeriod, [&] {
-    if (status.faults_changed(report())) publish_status();
-  });
-  loop.every(kConfigPeriod, publish_config);
-  loop.every(kMemoryPeriod, [] { return_unused_memory(); });
-  publish_status();
-  publish_config();
-  loop.run();
+  }
 
-  if (nice != 0) set_niceness(0);  // the remaining work must end before the deputy's time-out
-  for (int turn = 0; turn < kLastTurns; ++turn) bus.handle(std::chrono::milliseconds(0));
-  node->finish();
-  publish_status();
-}
+  void publish_status() { status_.publish(bus_, bus_.counters(), report()); }
+
+  void publish_config() {
+    config_.utime = wall_clock();
+    bus_.publish("CONFIG", config_);
+  }
+
+  service_config_t config_;
+  EventLoop loop_;
+  LcmBus bus_;
+  ServiceContext context_;
+  StatusReporter status_;
+  ClockStep clock_;
+  std::unique_ptr<Node> node_;
+};
 
 }  // namespace
 
@@ -131,7 +165,11 @@ int run_service(int argc, char** argv, const ServiceOptions& options, AnyConfig&
     return 2;
   }
   try {
-    run(config_message(name, section, config), url, config_hash(section, config), nice, options, make);
+    if (nice != 0) set_niceness(nice);
+    Process process(config_message(name, section, config), url, config_hash(section, config), options, make);
+    process.run();
+    if (nice != 0) set_niceness(0);  // the remaining work must end before the deputy's time-out
+    process.finish();
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}: {}\n", section, error.what());
     return 1;

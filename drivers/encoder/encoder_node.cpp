@@ -274,7 +274,8 @@ void EncoderNode::finish() {
   waiting_.clear();
 }
 
-void EncoderNode::on_link(std::int64_t now, bool up, const std::string& why) {
+void EncoderNode::on_link(std::int64_t now, link::LinkState state, const std::string& why) {
+  const bool up = state == link::LinkState::kUp;
   const bool reopened = up && counters_["link.lost"] > 0;
   if (reopened) counters_.add("link.reopened");
   if (reopened && !link_fault_.empty()) {  // another drive may have been plugged in

@@ -23,6 +23,7 @@
 #include "drivers/encoder/two_senders.hpp"
 #include "drivers/encoder/wheel_counter.hpp"
 #include "drivers/encoder/wheels_output.hpp"
+#include "drivers/link/link_state.hpp"
 
 namespace curbstone::encoder {
 
@@ -47,9 +48,9 @@ class EncoderNode final : public Node {
 
   void connect(Subscriber&) override {}
   void on_frame(std::int64_t receive_utime, const can::CanFrame& frame);
-  /// `up`: frames can be sent from now on (assumed at the start), and the drive is set up. Otherwise the adapter or
+  /// Up: frames can be sent from this time on (assumed at the start), and the drive is set up. Down: the adapter or
   /// interface is not ready or has vanished, and `why` gives the reason in one line.
-  void on_link(std::int64_t now, bool up, const std::string& why);
+  void on_link(std::int64_t now, link::LinkState state, const std::string& why);
   /// The link refused a line or a frame; `cause` is the counter's name.
   void on_refused(std::int64_t now, const char* cause) { share_.refused(now, cause); }
   void clock_was_set(std::int64_t by) override;

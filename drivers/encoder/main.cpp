@@ -45,9 +45,10 @@ std::unique_ptr<Node> can_node(const EncoderConfig& config, ServiceContext& cont
   auto node = std::make_unique<encoder::EncoderNode>(
       config, context.bus, [link](const encoder::can::CanFrame& frame) { link->send(frame); });
   node->add_report([link](NodeReport& report) { link->report(report); });
-  link->attach(context.loop, {[node = node.get()](auto utime, const auto& frame) { node->on_frame(utime, frame); },
-                              [node = node.get()](auto now, bool up, const auto& why) { node->on_link(now, up, why); },
-                              [node = node.get()](auto now, const char* cause) { node->on_refused(now, cause); }});
+  link->attach(context.loop,
+               {[node = node.get()](auto utime, const auto& frame) { node->on_frame(utime, frame); },
+                [node = node.get()](auto now, auto state, const auto& why) { node->on_link(now, state, why); },
+                [node = node.get()](auto now, const char* cause) { node->on_refused(now, cause); }});
   return node;
 }
 
@@ -57,7 +58,7 @@ std::unique_ptr<Node> modbus_node(const EncoderConfig& config, ServiceContext& c
   auto node = std::make_unique<encoder::ModbusNode>(config, context.bus);
   node->add_report([link](NodeReport& report) { link->report(report); });
   link->attach(context.loop, {[node = node.get()](const auto& reading) { node->on_reading(wall_clock(), reading); },
-                              [node = node.get()](bool up, const auto& why) { node->on_link(up, why); }});
+                              [node = node.get()](auto state, const auto& why) { node->on_link(state, why); }});
   return node;
 }
 

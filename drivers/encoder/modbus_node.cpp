@@ -60,7 +60,8 @@ void ModbusNode::on_reading(std::int64_t now, const modbus::Reading& reading) {
   output_.publish(message, now);
 }
 
-void ModbusNode::on_link(bool up, const std::string& why) {
+void ModbusNode::on_link(link::LinkState state, const std::string& why) {
+  const bool up = state == link::LinkState::kUp;
   if (up && was_up_) counters_.add("link.reopened");
   if (!up && was_up_ && link_fault_.empty()) counters_.add("link.lost");
   was_up_ |= up;

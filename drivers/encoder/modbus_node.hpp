@@ -12,6 +12,7 @@
 #include "drivers/encoder/stuck_counts.hpp"
 #include "drivers/encoder/wheel_counter.hpp"
 #include "drivers/encoder/wheels_output.hpp"
+#include "drivers/link/link_state.hpp"
 
 namespace curbstone::encoder {
 
@@ -31,8 +32,8 @@ class ModbusNode final : public Node {
   void connect(Subscriber&) override {}
   /// `now`: us since the Unix epoch.
   void on_reading(std::int64_t now, const modbus::Reading& reading);
-  /// `why`, if the link is not up, is one line for the operator.
-  void on_link(bool up, const std::string& why);
+  /// `why`, if the link is down, is one line for the operator.
+  void on_link(link::LinkState state, const std::string& why);
   void tick(std::int64_t now) override;
   void clock_was_set(std::int64_t by) override;
   [[nodiscard]] NodeReport report() const override;

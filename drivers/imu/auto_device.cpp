@@ -31,14 +31,14 @@ void AutoDevice::listen(std::int64_t now, std::span<const std::uint8_t> bytes) {
   } else if (wit_.counters()["frames"] >= kWitFrames) {
     found_ = std::make_unique<witmotion::WitDevice>(settings_, send_);
   }
-  if (found_) found_->on_link(now, true);
+  if (found_) found_->on_link(now, link::LinkState::kUp);
 }
 
-void AutoDevice::on_link(std::int64_t now, bool up) {
+void AutoDevice::on_link(std::int64_t now, link::LinkState state) {
   xbus_ = {};  // another device may have been plugged in
   wit_ = {};
-  if (up) found_.reset();
-  if (found_) found_->on_link(now, up);
+  if (state == link::LinkState::kUp) found_.reset();
+  if (found_) found_->on_link(now, state);
 }
 
 void AutoDevice::tick(std::int64_t now) {

@@ -5,6 +5,7 @@
 #include "drivers/imu/device/imu_device.hpp"
 #include "drivers/imu/witmotion/wit_frame.hpp"
 #include "drivers/imu/xsens/xbus_frame.hpp"
+#include "drivers/link/link_state.hpp"
 
 namespace curbstone::imu {
 
@@ -15,7 +16,7 @@ class AutoDevice final : public device::ImuDevice {
   AutoDevice(const device::DeviceSettings& settings, Send send);
 
   void on_bytes(std::int64_t now, std::span<const std::uint8_t> bytes, const Handler& handler) override;
-  void on_link(std::int64_t now, bool up) override;
+  void on_link(std::int64_t now, link::LinkState state) override;
   void tick(std::int64_t now) override;
   [[nodiscard]] Counters counters() const override;
   [[nodiscard]] std::string fault() const override;

@@ -190,14 +190,15 @@ ImuNode::HostTime ImuNode::to_host(std::int64_t device_time, std::int64_t receiv
   return {utime, 0};
 }
 
-void ImuNode::on_link(std::int64_t now, bool up, const std::string& why) {
+void ImuNode::on_link(std::int64_t now, link::LinkState state, const std::string& why) {
+  const bool up = state == link::LinkState::kUp;
   if (up || link_fault_.empty()) counters_.add(up ? "link.reopened" : "link.lost");
   link_fault_ = up ? "" : why;
   if (up) {  // another device may have been plugged in, with another clock
     clock_ = ClockOffset();
     clock_begun_ = false;
   }
-  device_->on_link(now, up);
+  device_->on_link(now, state);
 }
 
 void ImuNode::tick(std::int64_t now) {

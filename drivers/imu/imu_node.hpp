@@ -22,6 +22,7 @@
 #include "drivers/imu/imu_config.hpp"
 #include "drivers/imu/plausibility.hpp"
 #include "drivers/imu/receipt_stamps.hpp"
+#include "drivers/link/link_state.hpp"
 
 namespace curbstone::imu {
 
@@ -41,9 +42,8 @@ class ImuNode final : public Node {
 
   void connect(Subscriber&) override {}
   void on_bytes(std::int64_t receive_utime, std::span<const std::uint8_t> bytes);
-  /// `up`: the port was opened again. Otherwise it has vanished or still cannot be opened; `why` is the reason in one
-  /// line.
-  void on_link(std::int64_t now, bool up, const std::string& why);
+  /// Up: the port was opened again. Down: it has vanished or cannot be opened; `why` is the reason in one line.
+  void on_link(std::int64_t now, link::LinkState state, const std::string& why);
   /// Adds to the report: counters and faults of the link.
   void add_report(std::function<void(NodeReport&)> report) { link_report_ = std::move(report); }
   void clock_was_set(std::int64_t by) override;

@@ -17,7 +17,7 @@ int main(int argc, char** argv) {
         node->add_report([&](NodeReport& report) { link->report(report); });
         link->attach(context.loop,
                      {[node = node.get()](auto utime, auto bytes) { node->on_bytes(utime, bytes); },
-                      [node = node.get()](auto now, bool up, const auto& why) { node->on_link(now, up, why); }});
+                      [node = node.get()](auto now, auto state, const auto& why) { node->on_link(now, state, why); }});
         return node;
       });
 }

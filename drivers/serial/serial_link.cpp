@@ -44,7 +44,7 @@ void SerialLink::attach(EventLoop& loop, Handlers handlers) {
   if (port_) {
     watch();
   } else {
-    handlers_.on_link(wall_clock(), false, why_);
+    handlers_.on_link(wall_clock(), link::LinkState::kDown, why_);
   }
   loop.every(std::chrono::milliseconds(100), [this] { try_to_open(); });
 }
@@ -71,7 +71,7 @@ void SerialLink::lose() {
   port_.reset();
   queue_.clear();
   retry_.lost(steady_clock());
-  handlers_.on_link(wall_clock(), false,
+  handlers_.on_link(wall_clock(), link::LinkState::kDown,
                     fmt::format("serial port {} has vanished; waiting for it to come back", settings_.device));
 }
 
@@ -81,11 +81,11 @@ void SerialLink::try_to_open() {
     open();
   } catch (const std::runtime_error& error) {
     retry_.failed(steady_clock());
-    handlers_.on_link(wall_clock(), false, error.what());
+    handlers_.on_link(wall_clock(), link::LinkState::kDown, error.what());
     return;
   }
   watch();
-  handlers_.on_link(wall_clock(), true, "");
+  handlers_.on_link(wall_clock(), link::LinkState::kUp, "");
 }
 
 void SerialLink::send(std::span<const std::uint8_t> bytes) {

@@ -10,6 +10,7 @@
 #include "common/bus/node.hpp"
 #include "common/shell/event_loop.hpp"
 #include "common/time/retry_backoff.hpp"
+#include "drivers/link/link_state.hpp"
 #include "drivers/serial/send_queue.hpp"
 #include "drivers/serial/serial_port.hpp"
 
@@ -23,7 +24,7 @@ class SerialLink {
   struct Handlers {
     std::function<void(std::int64_t receive_utime, std::span<const std::uint8_t>)> on_bytes;
     /// Not called if the port is open when the link is attached. `why`, if it is down, is one line for the operator.
-    std::function<void(std::int64_t now, bool up, const std::string& why)> on_link;
+    std::function<void(std::int64_t now, link::LinkState state, const std::string& why)> on_link;
   };
 
   /// Opens the port if the device is present. Throws NotASerialPort with a one-line message: only the config can fix

@@ -14,6 +14,7 @@
 #include "common/time/microseconds.hpp"
 #include "common/time/silence_timer.hpp"
 #include "procman/deputy/systemd_notify.hpp"
+#include "procman/output/named_line.hpp"
 
 namespace curbstone::procman::deputy {
 
@@ -43,11 +44,6 @@ std::string describe_status(int status) {
     return fmt::format("{}{}", strsignal(WTERMSIG(status)), WCOREDUMP(status) ? " (core dumped)" : "");
   }
   return fmt::format("exit status {}", WEXITSTATUS(status));
-}
-
-/// Prefixes a line with the command's id, unless the service has done so already.
-std::string named_line(const std::string& id, std::string_view line) {
-  return line.starts_with(id + ": ") ? std::string(line) : fmt::format("{}: {}", id, line);
 }
 
 process::FileDescriptor take_signals(std::initializer_list<int> numbers) {
@@ -316,13 +312,14 @@ void DeputyApp::log_line(const std::string& text) {
 }
 
 void DeputyApp::print_line(const std::string& id, std::string_view line) {
-  if (!options_.quiet) console_.print(named_line(id, line));
+  if (!options_.quiet) console_.print(output::named_line(id, line));
 }
 
 /// For a command that failed while its output was not printed.
 void DeputyApp::show_last_lines(const std::string& id) {
   if (!options_.quiet) return;
-  for (const std::string& line : keeper_.last_lines(id, kLinesShown)) console_.print("  " + named_line(id, line));
+  for (const std::string& line : keeper_.last_lines(id, kLinesShown))
+    console_.print("  " + output::named_line(id, line));
 }
 
 /// Resends the last output for a sheriff that arrives late.

@@ -13,6 +13,8 @@
 #include "common/terminal/screen.hpp"
 #include "common/time/clock.hpp"
 #include "procman/deputy/script_runner.hpp"
+#include "procman/output/line_splitter.hpp"
+#include "procman/output/named_line.hpp"
 #include "procman/sheriff/status_table.hpp"
 
 namespace curbstone::procman::sheriff {
@@ -233,14 +235,10 @@ int SheriffApp::tail() {
     for (std::size_t i = 0; i < message.text.size(); ++i) {
       const std::string& id = message.command_ids[i];
       if (!wanted(id)) continue;
-      std::string text = message.text[i];
-      std::erase(text, '\r');
-      std::size_t begin = 0;
-      for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', begin)) {
-        fmt::print("{}: {}\n", printable(id), printable(std::string_view(text).substr(begin, end - begin)));
-        begin = end + 1;
-      }
-      if (begin < text.size()) fmt::print("{}: {}\n", printable(id), printable(std::string_view(text).substr(begin)));
+      const auto print = [&id](std::string_view line) { fmt::print("{}\n", printable(output::named_line(id, line))); };
+      output::LineSplitter lines;
+      lines.feed(message.text[i], print);
+      lines.flush(print);
     }
     std::fflush(stdout);
   });

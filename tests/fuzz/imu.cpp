@@ -27,7 +27,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::require(!sample.has_orientation || std::abs(norm - 1) < 1e-3, "an orientation is a unit quaternion");
   });
   std::int64_t now = 1'700'000'000'000'000;  // us
-  node.on_link(now, true, "");
+  node.on_link(now, link::LinkState::kUp, "");
   for (fuzz::Input input(data, size); !input.empty();) {
     now += 10 * input.number<std::uint16_t>();
     node.on_bytes(now, input.piece());

@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
 #include <signal.h>
 
+#include <chrono>
 #include <memory>
+#include <thread>
 
 #include "tests/system/run_program.hpp"
 #include "tests/temporary_folder.hpp"
@@ -9,7 +11,9 @@
 namespace curbstone::system_test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// A deputy with two commands that run and one that fails.
 class SheriffProgram : public ::testing::Test {
@@ -20,6 +24,7 @@ group "g" {
   cmd "a" { exec = "sleep 1000"; deputy = "d"; auto_respawn = "true"; }
   cmd "b" { exec = "sh -c 'while :; do echo tick; sleep 0.1; done'"; deputy = "d"; }
 }
+cmd "c" { exec = "sh -c 'while :; do echo c: tock; sleep 0.1; done'"; deputy = "d"; }
 cmd "never" { exec = "false"; deputy = "d"; auto_respawn = "true"; }
 cmd "wrong" { exec = "sh -c 'exit 3'"; deputy = "d"; }
 script "go" { start group "g" wait "running"; }
@@ -71,6 +76,16 @@ TEST_F(SheriffProgram, RunsAScript) {
   const auto run = sheriff("run go --config " + (folder_ / "test.cfg").string());
   EXPECT_EQ(run.exit_status, 0) << run.err;
   EXPECT_THAT(run.out, ::testing::ContainsRegex("a +running"));
+}
+
+TEST_F(SheriffProgram, TailNamesEachLineOnce) {
+  ASSERT_TRUE(wait_for_deputy());
+  ASSERT_EQ(sheriff("start g c").exit_status, 0);
+  BackgroundProgram tail("curbstone-sheriff tail", folder_ / "tail");
+  const auto shows = [&](const char* line) { return tail.output().find(line) != std::string::npos; };
+  for (int i = 0; i < 200 && !(shows("b: tick\n") && shows("c: tock\n")); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_THAT(tail.output(), AllOf(HasSubstr("b: tick\n"), HasSubstr("c: tock\n"), Not(HasSubstr("c: c: "))));
 }
 
 TEST_F(SheriffProgram, ASecondOneThatCommandsNamesTheFirstAndDoesNothing) {

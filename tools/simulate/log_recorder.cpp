@@ -108,7 +108,7 @@ class Recorder {
             encoder::EncoderConfig{}.bitrate,
             {[this](std::span<const std::uint8_t> bytes) { can_line_.to_device(bytes); },
              [this](std::int64_t utime, const encoder::can::CanFrame& frame) { encoder_node_.on_frame(utime, frame); },
-             [this](std::int64_t now) { encoder_node_.on_link(now, true, ""); }}) {}
+             [this](std::int64_t now) { encoder_node_.on_link(now, link::LinkState::kUp, ""); }}) {}
 
   Recorded run() {
     const std::int64_t begin = drive_.start_utime - kWarmUp;
@@ -116,8 +116,8 @@ class Recorder {
     now_ = begin;
     imu_line_.to_host(now_, imu_.power_on(now_));
     can_line_.to_host(now_, wheels_.power_on(now_));
-    imu_node_.on_link(now_, true, "");
-    encoder_node_.on_link(now_, false, "");
+    imu_node_.on_link(now_, link::LinkState::kUp, "");
+    encoder_node_.on_link(now_, link::LinkState::kDown, "");
     channel_.start(now_);
     std::int64_t next_tick = begin, next_difop = begin;
     sensors::LidarModel::Packet packet = lidar_.next();

@@ -7,6 +7,7 @@
 #include "common/bus/node.hpp"
 #include "common/shell/event_loop.hpp"
 #include "drivers/encoder/can/can_frame.hpp"
+#include "drivers/link/link_state.hpp"
 
 namespace curbstone::encoder::can {
 
@@ -16,8 +17,8 @@ class CanLink {
  public:
   struct Handlers {
     std::function<void(std::int64_t receive_utime, const CanFrame&)> on_frame;
-    /// `up`: frames can be sent from now on. Otherwise they cannot, and `why` gives the reason in one line.
-    std::function<void(std::int64_t now, bool up, const std::string& why)> on_link;
+    /// Up: frames can be sent from this time on. Down: they cannot, and `why` gives the reason in one line.
+    std::function<void(std::int64_t now, link::LinkState state, const std::string& why)> on_link;
     /// A line or a frame was refused; `cause` is the counter's name.
     std::function<void(std::int64_t now, const char* cause)> on_refused = [](std::int64_t, const char*) {};
   };

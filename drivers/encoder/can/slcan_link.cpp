@@ -9,20 +9,20 @@ namespace curbstone::encoder::can {
 SlcanLink::SlcanLink(const serial::SerialSettings& serial, int bitrate)
     : channel_(bitrate, {[this](auto bytes) { serial_.send(bytes); },
                          [this](std::int64_t utime, const CanFrame& frame) { handlers_.on_frame(utime, frame); },
-                         [this](std::int64_t now) { handlers_.on_link(now, true, ""); },
+                         [this](std::int64_t now) { handlers_.on_link(now, link::LinkState::kUp, ""); },
                          [this](std::int64_t now, const char* cause) { handlers_.on_refused(now, cause); }}),
       serial_(serial) {}
 
 void SlcanLink::attach(EventLoop& loop, Handlers handlers) {
   handlers_ = std::move(handlers);
-  handlers_.on_link(wall_clock(), false, "the SLCAN adapter's channel is being opened");
+  handlers_.on_link(wall_clock(), link::LinkState::kDown, "the SLCAN adapter's channel is being opened");
   serial_.attach(loop, {[this](auto utime, auto bytes) { channel_.on_bytes(utime, bytes); },
-                        [this](std::int64_t now, bool up, const std::string& why) {
-                          port_up_ = up;
-                          if (up) {
+                        [this](std::int64_t now, link::LinkState state, const std::string& why) {
+                          port_up_ = state == link::LinkState::kUp;
+                          if (port_up_) {
                             channel_.start(now);
                           } else {
-                            handlers_.on_link(now, false, why);
+                            handlers_.on_link(now, link::LinkState::kDown, why);
                           }
                         }});
   loop.every(std::chrono::milliseconds(20), [this] {

@@ -179,7 +179,7 @@ void SocketCanLink::attach(EventLoop& loop, Handlers handlers) {
   if (socket_) {
     watch();
   } else {
-    handlers_.on_link(wall_clock(), false, why_);
+    handlers_.on_link(wall_clock(), link::LinkState::kDown, why_);
   }
   loop.every(std::chrono::milliseconds(100), [this] {
     try_to_open();
@@ -235,7 +235,7 @@ void SocketCanLink::lose() {
   socket_.reset();
   bus_off_ = false;
   retry_.lost(steady_clock());
-  handlers_.on_link(wall_clock(), false,
+  handlers_.on_link(wall_clock(), link::LinkState::kDown,
                     fmt::format("CAN interface {} went down; waiting for it to come back", interface_));
 }
 
@@ -245,11 +245,11 @@ void SocketCanLink::try_to_open() {
     socket_.emplace(interface_, ids_);
   } catch (const std::runtime_error& error) {
     retry_.failed(steady_clock());
-    handlers_.on_link(wall_clock(), false, error.what());
+    handlers_.on_link(wall_clock(), link::LinkState::kDown, error.what());
     return;
   }
   watch();
-  handlers_.on_link(wall_clock(), true, "");
+  handlers_.on_link(wall_clock(), link::LinkState::kUp, "");
 }
 
 void SocketCanLink::try_to_restart() {

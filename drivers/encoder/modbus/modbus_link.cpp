@@ -60,7 +60,7 @@ ModbusLink::~ModbusLink() {
 
 void ModbusLink::attach(EventLoop& loop, Handlers handlers) {
   handlers_ = std::move(handlers);
-  handlers_.on_link(false, fmt::format("Modbus {} is being opened", client_.name()));
+  handlers_.on_link(link::LinkState::kDown, fmt::format("Modbus {} is being opened", client_.name()));
   loop.watch(event_fd_, [this] { on_readable(); });
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
@@ -75,7 +75,7 @@ void ModbusLink::run(const std::stop_token& stop) {
       poll_.tick(steady_clock());
       poll_.poll([&](const Reading& reading) {
         has_read = true;
-        post({reading, true, {}});
+        post({reading, link::LinkState::kUp, {}});
       });
       share_report();
       due = std::max(due + period_, steady_clock() + kGap);  // after a delay no burst of polls
@@ -85,11 +85,11 @@ void ModbusLink::run(const std::stop_token& stop) {
     if (stop.stop_requested()) return;
     if (has_read || !poll_.is_gone() || !settings_.tcp) {
       pause = kFirstRetry;
-      post({{}, false, fmt::format("Modbus {}: lost; opening it anew", client_.name())});
+      post({{}, link::LinkState::kDown, fmt::format("Modbus {}: lost; opening it anew", client_.name())});
       continue;
     }
     post({{},
-          false,
+          link::LinkState::kDown,
           fmt::format("Modbus {}: closed by the other end before it gave positions: has another program its "
                       "only connection, or does it close each after one reply?",
                       client_.name())});
@@ -105,10 +105,10 @@ bool ModbusLink::open(const std::stop_token& stop) {
     if (why.empty()) {
       ++openings_;
       poll_.restart();
-      post({{}, true, {}});
+      post({{}, link::LinkState::kUp, {}});
       return true;
     }
-    post({{}, false, why});
+    post({{}, link::LinkState::kDown, why});
     poll_.tick(steady_clock());
     share_report();
     if (!sleep_until(steady_clock() + wait, stop)) return false;
@@ -160,7 +160,7 @@ void ModbusLink::on_readable() {
     if (event.reading) {
       handlers_.on_reading(*event.reading);
     } else {
-      handlers_.on_link(event.up, event.why);
+      handlers_.on_link(event.link, event.why);
     }
   }
 }

@@ -14,6 +14,7 @@
 #include "common/shell/event_loop.hpp"
 #include "drivers/encoder/modbus/drive_poll.hpp"
 #include "drivers/encoder/modbus/modbus_client.hpp"
+#include "drivers/link/link_state.hpp"
 
 namespace curbstone::encoder::modbus {
 
@@ -28,8 +29,8 @@ class ModbusLink {
  public:
   struct Handlers {
     std::function<void(const Reading&)> on_reading;
-    /// `why`, if the link is not up, is one line for the operator.
-    std::function<void(bool up, const std::string& why)> on_link;
+    /// `why`, if the link is down, is one line for the operator.
+    std::function<void(link::LinkState state, const std::string& why)> on_link;
   };
   static constexpr std::size_t kMaxQueue = 200;  ///< readings: four seconds
 
@@ -47,7 +48,7 @@ class ModbusLink {
  private:
   struct Event {
     std::optional<Reading> reading;  // if empty, the link has changed:
-    bool up = false;
+    link::LinkState link = link::LinkState::kDown;
     std::string why;
   };
 

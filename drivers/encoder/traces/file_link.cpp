@@ -18,7 +18,7 @@ FileLink::FileLink(const std::string& path, double rate, std::vector<std::uint32
 void FileLink::attach(EventLoop& loop, Handlers handlers) {
   loop_ = &loop;
   handlers_ = std::move(handlers);
-  handlers_.on_link(first_utime_, true, "");
+  handlers_.on_link(first_utime_, link::LinkState::kUp, "");
   loop.every(std::chrono::milliseconds(1), [this] { feed(); });
 }
 

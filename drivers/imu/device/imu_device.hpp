@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/bus/counters.hpp"
+#include "drivers/link/link_state.hpp"
 
 namespace curbstone::imu::device {
 
@@ -51,7 +52,7 @@ class ImuDevice {
 
   virtual void on_bytes(std::int64_t now, std::span<const std::uint8_t> bytes, const Handler& handler) = 0;
   /// The link came up or went down: drops partly received messages and pending commands.
-  virtual void on_link(std::int64_t now, bool up) = 0;
+  virtual void on_link(std::int64_t now, link::LinkState state) = 0;
   virtual void tick(std::int64_t now) = 0;
 
   /// frames, garbage_bytes, refused.*, lost.packets, and the model's own counters.

@@ -171,10 +171,10 @@ void WitDevice::watch_rate(std::int64_t now) {
   }
 }
 
-void WitDevice::on_link(std::int64_t now, bool up) {
+void WitDevice::on_link(std::int64_t now, link::LinkState state) {
   parser_.reset();
   group_ = {};
-  if (!up) return;
+  if (state == link::LinkState::kDown) return;
   sample_time_ = {};  // another device may have been plugged in
   configurator_.start(now);
 }

@@ -4,6 +4,7 @@
 #include "drivers/imu/device/sample_time.hpp"
 #include "drivers/imu/witmotion/wit_configurator.hpp"
 #include "drivers/imu/witmotion/wit_frame.hpp"
+#include "drivers/link/link_state.hpp"
 
 namespace curbstone::imu::witmotion {
 
@@ -19,7 +20,7 @@ class WitDevice final : public device::ImuDevice {
   WitDevice(const device::DeviceSettings& settings, Send send);
 
   void on_bytes(std::int64_t now, std::span<const std::uint8_t> bytes, const Handler& handler) override;
-  void on_link(std::int64_t now, bool up) override;
+  void on_link(std::int64_t now, link::LinkState state) override;
   void tick(std::int64_t now) override { configurator_.tick(now); }
   [[nodiscard]] Counters counters() const override;
   [[nodiscard]] std::string fault() const override { return rate_fault_.empty() ? configurator_.fault() : rate_fault_; }

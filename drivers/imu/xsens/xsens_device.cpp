@@ -121,9 +121,9 @@ void XsensDevice::restart_clock() {
   packet_counter_.restart();
 }
 
-void XsensDevice::on_link(std::int64_t now, bool up) {
+void XsensDevice::on_link(std::int64_t now, link::LinkState state) {
   parser_.reset();
-  if (!up) return;
+  if (state == link::LinkState::kDown) return;
   sample_time_ = {};  // another device may have been plugged in
   packet_counter_.restart();
   velocity_interval_.restart();

@@ -7,6 +7,7 @@
 #include "drivers/imu/xsens/mtdata2.hpp"
 #include "drivers/imu/xsens/packet_counter.hpp"
 #include "drivers/imu/xsens/xbus_frame.hpp"
+#include "drivers/link/link_state.hpp"
 
 namespace curbstone::imu::xsens {
 
@@ -24,7 +25,7 @@ class XsensDevice final : public device::ImuDevice {
   XsensDevice(const device::DeviceSettings& settings, Send send);
 
   void on_bytes(std::int64_t now, std::span<const std::uint8_t> bytes, const Handler& handler) override;
-  void on_link(std::int64_t now, bool up) override;
+  void on_link(std::int64_t now, link::LinkState state) override;
   void tick(std::int64_t now) override { configurator_.tick(now); }
   [[nodiscard]] Counters counters() const override;
   [[nodiscard]] std::string fault() const override { return configurator_.fault(); }

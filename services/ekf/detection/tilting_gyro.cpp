@@ -16,6 +16,13 @@ constexpr double kByGyro = 0.6;    // of the leap, that the gyro itself shows at
 constexpr double kMaxAngle = 1.0;  // rad: beyond it the gyro is wrong otherwise
 constexpr double kSigmas = 5.0;    // of the IMU's noise
 
+/// rad, what the IMU's noise does not add up to in this time.
+double least_angle(double seconds, std::size_t intervals, const base::NoiseConfig& noise) {
+  const double by_rate = noise.gyro * std::sqrt(seconds);
+  const double by_force = noise.accelerometer / kGravity / std::sqrt(seconds * kMean / static_cast<double>(intervals));
+  return std::max(TiltingGyro::kMinAngle, kSigmas * std::hypot(by_rate, by_force, by_force));
+}
+
 }  // namespace
 
 std::optional<TiltingGyro::Leap> TiltingGyro::add(const Interval& interval, const model::NavState& state,
@@ -45,49 +52,49 @@ std::optional<TiltingGyro::Leap> TiltingGyro::add(const Interval& interval, cons
   return {};
 }
 
+/// The direction of gravity over kMean intervals, with the accelerometer's and the gyro's biases of `state`.
+Eigen::Vector3d TiltingGyro::mean_up(std::size_t begin, const model::NavState& state) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t i = begin; i < begin + kMean; ++i) {
+    const double aside = state.gyro_bias.z() * seen_[i].interval.velocity.x();
+    sum += Eigen::Vector3d(seen_[i].up - state.accelerometer_bias + aside * Eigen::Vector3d::UnitY());
+  }
+  return sum.normalized();
+}
+
+TiltingGyro::GyroTurn TiltingGyro::turn_by_gyro(std::size_t begin, std::size_t intervals, const Eigen::Vector3d& bias,
+                                                const Eigen::Vector3d& up) const {
+  GyroTurn sum;
+  sum.up = up;
+  for (std::size_t i = 0; i < intervals; ++i) {
+    const Interval& interval = seen_[begin + i].interval;
+    const Eigen::Vector3d turn = interval.seconds * (interval.rate - bias);
+    sum.up = so3_exp(turn).conjugate() * sum.up;
+    sum.seconds += interval.seconds;
+    const std::size_t half = 2 * i < intervals ? 0 : 1;
+    sum.halves[half] += turn.head<2>();
+    sum.half_seconds[half] += interval.seconds;
+  }
+  return sum;
+}
+
 /// From the middle of kMean intervals to that of the last kMean, `intervals` later.
 std::optional<TiltingGyro::Excess> TiltingGyro::excess_within(std::size_t intervals,
                                                               const base::NoiseConfig& noise) const {
   if (seen_.size() < intervals + kMean) return {};
   const std::size_t begin = seen_.size() - intervals - kMean;
-  // Biases that are learnt during a leap are wrong.
-  const model::NavState& before = seen_[begin].state;
-  const Eigen::Vector3d& bias = before.gyro_bias;
-  const auto up_at = [&](std::size_t i) {
-    const double aside = bias.z() * seen_[i].interval.velocity.x();
-    return Eigen::Vector3d(seen_[i].up - before.accelerometer_bias + aside * Eigen::Vector3d::UnitY());
-  };
-  Eigen::Vector3d first = Eigen::Vector3d::Zero(), last = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < kMean; ++i) {
-    first += up_at(begin + i);
-    last += up_at(begin + intervals + i);
-  }
-  first.normalize();
-  last.normalize();
-  double seconds = 0.0;
-  Eigen::Vector3d by_gyro = first;
-  std::array<Eigen::Vector2d, 2> halves = {Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};  // rad
-  std::array<double, 2> half_seconds = {};
-  for (std::size_t i = 0; i < intervals; ++i) {
-    const Interval& interval = seen_[begin + kMean / 2 + i].interval;
-    const Eigen::Vector3d turn = interval.seconds * (interval.rate - bias);
-    by_gyro = so3_exp(turn).conjugate() * by_gyro;
-    seconds += interval.seconds;
-    const std::size_t half = 2 * i < intervals ? 0 : 1;
-    halves[half] += turn.head<2>();
-    half_seconds[half] += interval.seconds;
-  }
-  const double by_rate = noise.gyro * std::sqrt(seconds);
-  const double by_force = noise.accelerometer / kGravity / std::sqrt(seconds * kMean / static_cast<double>(intervals));
-  const double least = std::max(kMinAngle, kSigmas * std::hypot(by_rate, by_force, by_force));
-  const Eigen::Vector2d excess = by_gyro.cross(last).head<2>();  // rad, by which the gyro has turned too far
+  const model::NavState& before = seen_[begin].state;  // biases that are learnt during a leap are wrong
+  const Eigen::Vector3d first = mean_up(begin, before);
+  const Eigen::Vector3d last = mean_up(begin + intervals, before);
+  const GyroTurn turn = turn_by_gyro(begin + kMean / 2, intervals, before.gyro_bias, first);
+  const Eigen::Vector2d excess = turn.up.cross(last).head<2>();  // rad, by which the gyro has turned too far
   const double angle = excess.norm();
-  if (angle < least || angle > kMaxAngle) return {};
-  const double shown = (halves[0] + halves[1]).dot(excess) / angle;
-  const double uneven = (halves[0] / half_seconds[0] - halves[1] / half_seconds[1]).norm();
-  if (shown < kByGyro * angle || uneven > kUneven * angle / seconds) return {};
-  const Eigen::Vector2d rate = excess / angle * std::asin(angle) / seconds;
-  return Excess{rate, bias + Eigen::Vector3d(rate.x(), rate.y(), 0.0), last};
+  if (angle < least_angle(turn.seconds, intervals, noise) || angle > kMaxAngle) return {};
+  const double shown = (turn.halves[0] + turn.halves[1]).dot(excess) / angle;
+  const double uneven = (turn.halves[0] / turn.half_seconds[0] - turn.halves[1] / turn.half_seconds[1]).norm();
+  if (shown < kByGyro * angle || uneven > kUneven * angle / turn.seconds) return {};
+  const Eigen::Vector2d rate = excess / angle * std::asin(angle) / turn.seconds;
+  return Excess{rate, before.gyro_bias + Eigen::Vector3d(rate.x(), rate.y(), 0.0), last};
 }
 
 TiltingGyro::Leap TiltingGyro::leap_since(std::size_t begin, const Excess& excess) const {

@@ -58,6 +58,15 @@ class TiltingGyro {
     Eigen::Vector2d rate = Eigen::Vector2d::Zero();
     int lasts = 0;  // intervals
   };
+  struct GyroTurn {
+    Eigen::Vector3d up;  // at the end, as the gyro has turned it
+    double seconds = 0.0;
+    std::array<Eigen::Vector2d, 2> halves = {Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};  // rad
+    std::array<double, 2> half_seconds = {};
+  };
+  [[nodiscard]] Eigen::Vector3d mean_up(std::size_t begin, const model::NavState& state) const;
+  [[nodiscard]] GyroTurn turn_by_gyro(std::size_t begin, std::size_t intervals, const Eigen::Vector3d& bias,
+                                      const Eigen::Vector3d& up) const;
   [[nodiscard]] std::optional<Excess> excess_within(std::size_t intervals, const base::NoiseConfig& noise) const;
   [[nodiscard]] Leap leap_since(std::size_t begin, const Excess& excess) const;
 

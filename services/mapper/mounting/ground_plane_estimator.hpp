@@ -29,7 +29,6 @@ class GroundPlaneEstimator {
   GroundPlaneEstimator() : cells_(kColumns * kRows) {}
   /// `points`: a revolution, in base_link.
   void add(const std::vector<scan::LidarPoint>& points);
-  [[nodiscard]] int num_revolutions() const { return num_revolutions_; }
   /// None before kMinRevolutions revolutions, or if too little ground was visible.
   [[nodiscard]] std::optional<GroundPlane> plane() const;
 

@@ -71,6 +71,17 @@ struct Scatter {
         zz((four_of(sides.low.zz, k) - l.n * l.z * l.z) + (four_of(sides.high.zz, k) - h.n * h.z * h.z)) {}
 };
 
+/// The inverse of S.
+struct Inverse {
+  Quad uu, ut, tt;
+  [[gnu::always_inline]] explicit Inverse(const Scatter& S) {
+    const Quad inverse_det = 1 / (S.uu * S.tt - S.ut * S.ut);
+    uu = S.tt * inverse_det;
+    ut = -S.ut * inverse_det;
+    tt = S.uu * inverse_det;
+  }
+};
+
 /// Fits two half-planes at each place (docs/method.md, section 11): z_0, h and the shared slope s that minimise
 ///
 ///     sum_i (z_i - z_0 - s . (u_i, t_i) - h [high side])^2 + n kPlaceNoise^2 |s|^2 + prior_u^2 s_u^2 + prior_t^2 s_t^2
@@ -91,13 +102,9 @@ void fit_sides(const Sides& sides, double noise, StepFits& fits) {
     put(fits.spread, low.spread < high.spread ? low.spread : high.spread);
     const Quad place = (low.n + high.n) * kPlaceNoise * kPlaceNoise;
     const Scatter S(sides, k, low, high, place, prior_u, prior_t);
-    // The slope: S^-1 (uz, tz).
-    const Quad inverse_det = 1 / (S.uu * S.tt - S.ut * S.ut);
-    const Quad inverse_uu = S.tt * inverse_det;
-    const Quad inverse_ut = -S.ut * inverse_det;
-    const Quad inverse_tt = S.uu * inverse_det;
-    const Quad slope_u = inverse_uu * S.uz + inverse_ut * S.tz;
-    const Quad slope_t = inverse_ut * S.uz + inverse_tt * S.tz;
+    const Inverse inverse(S);
+    const Quad slope_u = inverse.uu * S.uz + inverse.ut * S.tz;
+    const Quad slope_t = inverse.ut * S.uz + inverse.tt * S.tz;
     put(fits.slope_u, slope_u);
     put(fits.slope_t, slope_t);
     const Quad rss = S.zz - (slope_u * S.uz + slope_t * S.tz);
@@ -108,12 +115,12 @@ void fit_sides(const Sides& sides, double noise, StepFits& fits) {
     put(fits.level, high.z - low.z);
     const Quad height = high.z - low.z - (slope_u * apart_u + slope_t * apart_t);
     put(fits.height, height);
-    put(fits.sigma, 1 / low.n + 1 / high.n +
-                        (apart_u * (inverse_uu * apart_u + inverse_ut * apart_t) +
-                         apart_t * (inverse_ut * apart_u + inverse_tt * apart_t)));
+    const Quad along_u = inverse.uu * apart_u + inverse.ut * apart_t;  // S^-1 a
+    const Quad along_t = inverse.ut * apart_u + inverse.tt * apart_t;
+    put(fits.sigma, 1 / low.n + 1 / high.n + (apart_u * along_u + apart_t * along_t));
     // Heights are relative to the DEM, which climbs the step within about a metre. Relative to it both sides fall. The
     // part of this fall that was attributed to noise is missing in the step.
-    const Quad missing = kOwnLean * place * (inverse_uu * apart_u + inverse_ut * apart_t);
+    const Quad missing = kOwnLean * place * along_u;
     const Quad most = Quad{} + kMaxMissing;
     put(fits.full_height, height / (1 - (missing < 0 ? Quad{} : missing > most ? most : missing)));
     const auto first = static_cast<double>(k);

@@ -21,7 +21,6 @@ struct StepWindow {
 
   [[nodiscard]] std::size_t size() const { return num_points; }
   [[nodiscard]] bool has(std::size_t i) const { return std::abs(t[i]) <= half_length; }
-  [[nodiscard]] bool may_carry_a_side(std::size_t i) const { return std::abs(t[i]) + unfit[i] <= half_length; }
   void resize(std::size_t n);
   void add(double at_u, double at_t, double at_z, bool is_ground = true);
 };

@@ -208,6 +208,21 @@ void require_voxel(const VotingParameters& parameters) {
   }
 }
 
+/// Makes room for the results in a thread of its own, if it is worth one: memory that was never touched takes as long
+/// to get as sorting the points.
+std::future<void> begin_results(CloudVotes& votes, std::size_t num_points, int threads) {
+  const bool at_hand = votes.tensors.capacity() >= num_points && votes.decompositions.capacity() >= num_points;
+  return std::async(threads > 1 && !at_hand ? std::launch::async : std::launch::deferred, [&votes, num_points] {
+    votes.tensors.resize(num_points);
+    votes.decompositions.resize(num_points);
+  });
+}
+
+void clear_results(CloudVotes& votes, std::size_t num_points) {
+  votes.tensors.assign(num_points, {});
+  votes.decompositions.assign(num_points, {});
+}
+
 }  // namespace
 
 /// The working memory of a vote, kept for the next one.
@@ -231,6 +246,18 @@ struct BatchVoter::Scratch {
     const double radius = std::max(cut_off(parameters), options.equalise_density ? parameters.sigma / 2 : 0.0);
     return {cells, thinning ? voters : cloud.points, radius / cloud.step, threads};
   }
+  /// Thins to `voxel` and assembles; with a larger voxel where points are so dense that each would test too many.
+  Assembly assemble_sparse(const VotingParameters& parameters, const BatchOptions& options, int threads,
+                           double& voxel) {
+    constexpr double kMaxTests = 50'000;
+    thin(voxel);
+    Assembly assembly = assemble(parameters, options, threads);
+    const double coarse = parameters.sigma / 8;
+    if (voxel >= coarse || !assembly.crowded(kMaxTests)) return assembly;
+    voxel = coarse;
+    thin(voxel);
+    return assemble(parameters, options, threads);
+  }
   /// Copies the results of the voters to the points.
   void spread(CloudVotes& votes) const {
     for (std::uint32_t i = 0; i < cloud.points.size(); ++i) {
@@ -251,12 +278,7 @@ void BatchVoter::vote(std::span<const Eigen::Vector3d> points, const VotingParam
   validate(parameters);
   require_voxel(parameters);
   const kernels::VoteKernel& kernel = kernels::kernel_for(kernels::vote_kernels(), options.kernel);
-  // Memory that was never touched takes as long to get as sorting the points.
-  const bool at_hand = votes.tensors.capacity() >= points.size() && votes.decompositions.capacity() >= points.size();
-  auto results = std::async(threads > 1 && !at_hand ? std::launch::async : std::launch::deferred, [&] {
-    votes.tensors.resize(points.size());
-    votes.decompositions.resize(points.size());
-  });
+  std::future<void> room = begin_results(votes, points.size(), threads);
   Scratch& scratch = *scratch_;
   scratch.cloud = to_steps(points, parameters.sigma, std::move(scratch.cloud));
   votes.not_finite = scratch.cloud.not_finite;
@@ -264,31 +286,19 @@ void BatchVoter::vote(std::span<const Eigen::Vector3d> points, const VotingParam
   votes.voxel = parameters.voxel;
   votes.num_voters = 0;
   if (scratch.cloud.points.empty()) {
-    results.get();
-    votes.tensors.assign(points.size(), {});
-    votes.decompositions.assign(points.size(), {});
-    return;
+    room.get();
+    return clear_results(votes, points.size());
   }
-  scratch.thin(votes.voxel);
-  Assembly assembly = scratch.assemble(parameters, options, threads);
-  constexpr double kMaxTests = 50'000;
-  const double coarse = parameters.sigma / 8;
-  if (votes.voxel < coarse && assembly.crowded(kMaxTests)) {
-    votes.voxel = coarse;
-    scratch.thin(coarse);
-    assembly = scratch.assemble(parameters, options, threads);
-  }
+  Assembly assembly = scratch.assemble_sparse(parameters, options, threads, votes.voxel);
   votes.num_voters = assembly.cells().source().size();
-  results.get();
+  room.get();
   if (votes.num_voters == points.size()) {  // voters and points are the same
-    vote_all(assembly, scratch.cloud, parameters, options, {votes.tensors, votes.decompositions, kernel});
-    return;
+    return vote_all(assembly, scratch.cloud, parameters, options, {votes.tensors, votes.decompositions, kernel});
   }
   scratch.tensors.resize(votes.num_voters);
   scratch.decompositions.resize(votes.num_voters);
   vote_all(assembly, scratch.cloud, parameters, options, {scratch.tensors, scratch.decompositions, kernel});
-  votes.tensors.assign(points.size(), {});
-  votes.decompositions.assign(points.size(), {});
+  clear_results(votes, points.size());
   scratch.spread(votes);
 }
 
@@ -296,13 +306,6 @@ CloudVotes vote_cloud(std::span<const Eigen::Vector3d> points, const VotingParam
                       const BatchOptions& options) {
   CloudVotes votes;
   BatchVoter().vote(points, parameters, threads, options, votes);
-  return votes;
-}
-
-std::vector<CloudVotes> vote_scales(std::span<const Eigen::Vector3d> points, std::span<const VotingParameters> scales,
-                                    int threads, const BatchOptions& options) {
-  std::vector<CloudVotes> votes;
-  for (const VotingParameters& scale : scales) votes.push_back(vote_cloud(points, scale, threads, options));
   return votes;
 }
 

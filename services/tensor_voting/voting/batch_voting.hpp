@@ -65,9 +65,4 @@ class BatchVoter {
 [[nodiscard]] CloudVotes vote_cloud(std::span<const Eigen::Vector3d> points, const VotingParameters& parameters,
                                     int threads = 1, const BatchOptions& options = {});
 
-/// The same at several scales.
-[[nodiscard]] std::vector<CloudVotes> vote_scales(std::span<const Eigen::Vector3d> points,
-                                                  std::span<const VotingParameters> scales, int threads = 1,
-                                                  const BatchOptions& options = {});
-
 }  // namespace curbstone::tensor_voting::voting

@@ -13,13 +13,13 @@ using ::testing::IsEmpty;
 class RepluggedDrive : public EncoderOfADrive {
  protected:
   void unplug(std::int64_t us) {
-    rig_.node.on_link(rig_.now, false, "serial port /dev/x has vanished");
+    rig_.node.on_link(rig_.now, link::LinkState::kDown, "serial port /dev/x has vanished");
     rig_.connected = false;
     rig_.run_for(us);
   }
   void plug_in() {
     rig_.connected = true;
-    rig_.node.on_link(rig_.now, true, "");
+    rig_.node.on_link(rig_.now, link::LinkState::kUp, "");
   }
   [[nodiscard]] std::size_t sent() { return rig_.messages().size(); }
 };

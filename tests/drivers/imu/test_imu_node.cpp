@@ -283,12 +283,12 @@ TEST_F(ImuNodeTest, APortThatVanishesIsAFaultUntilItIsBack) {
   make_node();
   deliver(now_, device_.power_on(now_));
   run_for(500'000);
-  node_->on_link(now_, false, "serial port /dev/x has vanished");
+  node_->on_link(now_, link::LinkState::kDown, "serial port /dev/x has vanished");
   EXPECT_THAT(node_->report().faults, Contains(HasSubstr("/dev/x has vanished")));
   connected_ = false;
   run_for(2'000'000);
   connected_ = true;
-  node_->on_link(now_, true, "");
+  node_->on_link(now_, link::LinkState::kUp, "");
   run_for(1'000'000);
   EXPECT_THAT(node_->report().faults, IsEmpty());
   EXPECT_EQ(count("link.lost"), 1);

@@ -27,7 +27,7 @@ class ImuOnAPty : public test::DriverOnAPty<imu_t> {
         node_(ImuConfig{}, recorder_.bus(), [this](auto bytes) { link_.send(bytes); }),
         link_({pty_.path(), 115200}) {
     link_.attach(loop_, {[this](auto utime, auto bytes) { node_.on_bytes(utime, bytes); },
-                         [this](auto now, bool up, const auto& why) { node_.on_link(now, up, why); }});
+                         [this](auto now, auto state, const auto& why) { node_.on_link(now, state, why); }});
     loop_.every(20ms, [this] { node_.tick(wall_clock()); });
     loop_.every(10ms, [this] { turn_device(); });
     pty_.write(device_.power_on(steady_clock()));

@@ -88,7 +88,7 @@ class LatencyTimerOnAPty : public test::DriverOnAPty<imu_t> {
  protected:
   LatencyTimerOnAPty() : DriverOnAPty("IMU"), node_(config(), recorder_.bus()), link_({pty_.path(), 115200}) {
     link_.attach(loop_, {[this](auto utime, auto bytes) { node_.on_bytes(utime, bytes); },
-                         [this](auto now, bool up, const auto& why) { node_.on_link(now, up, why); }});
+                         [this](auto now, auto state, const auto& why) { node_.on_link(now, state, why); }});
     loop_.every(std::chrono::milliseconds(10), [this] {
       const std::int64_t now = wall_clock();
       tremor_ = 1e-3 - tremor_;  // no sensor is still

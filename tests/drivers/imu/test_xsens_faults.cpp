@@ -83,13 +83,13 @@ TEST_P(AnotherImu, InItsPlaceHasAClockOfItsOwn) {
   const auto& [model, ahead, pause] = GetParam();
   make({.model = model, .configure = false});
   run_for(8'000'000);
-  node_->on_link(now_, false, "serial port /dev/x has vanished");
+  node_->on_link(now_, link::LinkState::kDown, "serial port /dev/x has vanished");
   plugged_ = false;
   run_for(pause);
   plugged_ = true;
   device_ = XsensEmulator({.configured = true});
   device_.power_on(kStart - ahead);
-  node_->on_link(now_, true, "");
+  node_->on_link(now_, link::LinkState::kUp, "");
   const std::size_t before = recorder_.messages().size();
   run_for(8'000'000);
   node_->finish();

@@ -35,7 +35,8 @@ TEST(SerialLinkTest, ComesBackByItselfAfterTheDeviceWasUnplugged) {
   std::vector<std::string> story;
   test::Bytes received;
   link.attach(loop, {[&](std::int64_t, auto bytes) { received.insert(received.end(), bytes.begin(), bytes.end()); },
-                     [&](std::int64_t, bool up, const std::string& why) {
+                     [&](std::int64_t, link::LinkState state, const std::string& why) {
+                       const bool up = state == link::LinkState::kUp;
                        if (up || why.find("vanished") != std::string::npos) story.push_back(up ? "up" : "vanished");
                      }});
   int step = 0;
@@ -69,9 +70,9 @@ TEST(SerialLinkTest, ADeviceThatIsMissingAtTheStartIsAFaultUntilItComes) {
   test::Bytes received;
   bool up = false;
   link.attach(loop, {[&](std::int64_t, auto bytes) { received.insert(received.end(), bytes.begin(), bytes.end()); },
-                     [&](std::int64_t, bool is_up, const std::string& why) {
-                       up = is_up;
-                       if (!is_up) down.push_back(why);
+                     [&](std::int64_t, link::LinkState state, const std::string& why) {
+                       up = state == link::LinkState::kUp;
+                       if (!up) down.push_back(why);
                      }});
   ASSERT_EQ(down.size(), 1u) << "reported at once";
   EXPECT_THAT(down[0], ::testing::HasSubstr(path));
@@ -101,8 +102,8 @@ TEST(SerialLinkTest, WhatTheKernelDoesNotTakeAtOnceIsSentInOrderAndWhole) {
   test::Pty pty;
   EventLoop loop;
   SerialLink link({pty.path(), 115200});
-  link.attach(loop,
-              {[](std::int64_t, std::span<const std::uint8_t>) {}, [](std::int64_t, bool, const std::string&) {}});
+  link.attach(loop, {[](std::int64_t, std::span<const std::uint8_t>) {},
+                     [](std::int64_t, link::LinkState, const std::string&) {}});
   constexpr std::size_t kSize = 100;
   int sent = 0;
   const auto dropped = [&] {
@@ -137,7 +138,7 @@ TEST(SerialLinkTest, NothingIsReceivedBeforeItWasSentHoweverBusyTheHost) {
                        received = utime;
                        loop.stop();
                      },
-                     [](std::int64_t, bool, const std::string&) {}});
+                     [](std::int64_t, link::LinkState, const std::string&) {}});
   before_the_next_read = [&] {
     std::this_thread::sleep_for(20ms);
     sent = wall_clock();
@@ -154,7 +155,8 @@ TEST(SerialLinkTest, WhatIsSentWhileTheDeviceIsAwayIsLostWithoutHarm) {
   SerialLink link({pty.path(), 115200});
   bool vanished = false, back = false;
   link.attach(loop, {[](std::int64_t, std::span<const std::uint8_t>) {},
-                     [&](std::int64_t, bool up, const std::string&) {
+                     [&](std::int64_t, link::LinkState state, const std::string&) {
+                       const bool up = state == link::LinkState::kUp;
                        (up ? back : vanished) = true;
                        if (up) loop.stop();
                      }});

@@ -71,7 +71,7 @@ class EncoderOnSocketCan : public SocketCanTest {
     node_.emplace(config_, recorder_.bus(), [this](const CanFrame& frame) { link_->send(frame); });
     node_->add_report([this](NodeReport& report) { link_->report(report); });
     link_->attach(loop_, {[this](auto utime, const auto& frame) { node_->on_frame(utime, frame); },
-                          [this](auto now, bool up, const auto& why) { node_->on_link(now, up, why); }});
+                          [this](auto now, auto state, const auto& why) { node_->on_link(now, state, why); }});
     loop_.every(20ms, [this] { node_->tick(wall_clock()); });
     loop_.every(2ms, [this] { turn_drive(); });
     start_ = steady_clock();

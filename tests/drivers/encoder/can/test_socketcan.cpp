@@ -98,11 +98,11 @@ TEST_F(SocketCanTest, AnInterfaceThatIsMissingAtTheStartIsWaitedFor) {
   bool is_up = false;
   SocketCanLink link(kInterface, {0x181});
   link.attach(loop, {[](auto, const auto&) {},
-                     [&](auto, bool up, const auto& why) {
-                       is_up = up;
-                       if (!up) faults.push_back(why);
+                     [&](auto, link::LinkState state, const auto& why) {
+                       is_up = state == link::LinkState::kUp;
+                       if (!is_up) faults.push_back(why);
                        if (faults.size() == 2) set_up(true);
-                       if (up) loop.stop();
+                       if (is_up) loop.stop();
                      }});
   const std::int64_t deadline = steady_clock() + 20'000'000;
   loop.every(10ms, [&] {

@@ -62,7 +62,7 @@ TEST_F(DamagedReplies, AFaultWordThatIsReadOnceIsNoFault) {
 
 TEST_F(DamagedReplies, EncoderLinesThatAreReadOnceAreNotBelieved) {
   rig_.receive(rig_.now, rig_.drive.power_on(rig_.now));
-  rig_.node.on_link(rig_.now, true, "");
+  rig_.node.on_link(rig_.now, link::LinkState::kUp, "");
   rig_.drive.set_speeds(955, -955);
   damage_next(is_reply_of(0x0E, 0x20), 5, 0x01);
   rig_.run_for(1'000'000);

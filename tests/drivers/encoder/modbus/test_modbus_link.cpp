@@ -54,7 +54,7 @@ class ModbusDriver : public test::DriverOnAPty<wheels_t> {
                             readings_.push_back(reading);
                             node_->on_reading(wall_clock(), reading);
                           },
-                          [this](bool up, const auto& why) { node_->on_link(up, why); }});
+                          [this](link::LinkState state, const auto& why) { node_->on_link(state, why); }});
   }
   void unplug() {
     if (tcp_) return server_->drop();
@@ -174,15 +174,29 @@ TEST_P(ModbusAnyway, RepliesOfAnotherLengthAreRefused) {
   expect_refused(ModbusServer::Mood::kShort, "refused.malformed");
 }
 
+/// A drive without an address is asked for smaller blocks before it is refused.
+TEST_P(ModbusAnyway, ADriveWithoutTheAddressesIsRefused) {
+  server_->exception = 2;
+  expect_refused(ModbusServer::Mood::kException, "refused.illegal_address");
+}
+
 TEST_P(ModbusAnyway, ExceptionsAreCountedByTheirCode) {
+  ASSERT_TRUE(run_until_more_samples(10));
+  server_->exception = 1;
+  server_->mood = ModbusServer::Mood::kException;
+  ASSERT_TRUE(run_until_fault("no positions"));
+  const std::size_t before = recorder_.messages().size();
   for (const auto& [code, counter] : {std::pair{1, "refused.illegal_function"},
-                                      {2, "refused.illegal_address"},
                                       {3, "refused.illegal_value"},
                                       {4, "refused.device_failure"},
                                       {11, "refused.exception"}}) {
     server_->exception = code;
-    expect_refused(ModbusServer::Mood::kException, counter);
+    EXPECT_TRUE(run_until_count(counter, count(counter) + 3)) << counter;
   }
+  EXPECT_EQ(recorder_.messages().size(), before);
+  server_->mood = ModbusServer::Mood::kAnswers;
+  expect_recovery();
+  expect_true_angles();
 }
 
 TEST_P(ModbusAnyway, ADriveThatKnowsNoLargeBlockIsReadBySmallerOnes) {

@@ -104,7 +104,7 @@ class SignalNode : public ::testing::Test {
   }
   void make(SignalKind kind) {
     node_.emplace(config(kind), recorder_.bus(), [this](const can::CanFrame&) { ++sent_; });
-    node_->on_link(now_, true, "");
+    node_->on_link(now_, link::LinkState::kUp, "");
   }
   void send(int left, int right) {
     node_->on_frame(

@@ -251,7 +251,7 @@ TEST(FileLinkTest, ARecordedDriveBecomesWheelsWithTheRecordedTimes) {
     node.add_report([&](NodeReport& report) { link.report(report); });
     std::vector<std::string> faults;
     link.attach(loop, {[&](auto utime, const auto& frame) { node.on_frame(utime, frame); },
-                       [&](auto now, bool up, const auto& why_not) { node.on_link(now, up, why_not); }});
+                       [&](auto now, auto state, const auto& why_not) { node.on_link(now, state, why_not); }});
     loop.every(std::chrono::milliseconds(20), [&] {
       node.tick(wall_clock());
       for (const auto& fault : node.report().faults) faults.push_back(fault);

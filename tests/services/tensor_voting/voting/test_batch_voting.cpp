@@ -182,16 +182,6 @@ TEST(BatchVoting, TakesEveryTensorApart) {
   }
 }
 
-TEST(BatchVoting, AtSeveralScalesIsVotingAtEach) {
-  const auto points = test_clouds::street(3'000, 9);
-  const std::vector<VotingParameters> scales{{.voxel = 0}, {.sigma = 0.1, .radius = 0.3, .voxel = 0}};
-  const auto both = vote_scales(points, scales, 2);
-  ASSERT_EQ(both.size(), 2U);
-  for (std::size_t s = 0; s < 2; ++s) {
-    EXPECT_EQ(both[s].tensors[17].mass, vote_cloud(points, scales[s]).tensors[17].mass);
-  }
-}
-
 TEST(BatchVoting, WithDensityEqualisedSeesTheRoadUnderScanLines) {
   // Lines 0.3 m apart (D = sigma), points 3 cm apart along them: bare, this looks like a curb on a flat road.
   std::vector<Eigen::Vector3d> rings;

@@ -66,7 +66,7 @@ class Host {
                        [this](std::int64_t utime, const encoder::can::CanFrame& frame) {
                          encoder_node_.on_frame(utime, frame);
                        },
-                       [this](std::int64_t now) { encoder_node_.on_link(now, true, ""); }}) {
+                       [this](std::int64_t now) { encoder_node_.on_link(now, link::LinkState::kUp, ""); }}) {
     bus_.subscribe<lidar_points_t>("LIDAR_POINTS", [this](const lidar_points_t& m) { lidar.push_back(m.utime); });
     bus_.subscribe<imu_t>("IMU", [this](const imu_t& m) { imu.push_back(m); });
     bus_.subscribe<wheels_t>("WHEELS", [this](const wheels_t&) { ++wheels; });
@@ -80,8 +80,8 @@ class Host {
   void run(const std::atomic<bool>& done) {
     imu_ = open_when_there(options_.imu_link);
     can_ = open_when_there(options_.can_link);
-    imu_node_.on_link(wall_clock(), true, "");
-    encoder_node_.on_link(wall_clock(), false, "");
+    imu_node_.on_link(wall_clock(), link::LinkState::kUp, "");
+    encoder_node_.on_link(wall_clock(), link::LinkState::kDown, "");
     channel_.start(wall_clock());
     while (!done) {
       pollfd ports[] = {{msop_, POLLIN, 0}, {difop_, POLLIN, 0}, {imu_, POLLIN, 0}, {can_, POLLIN, 0}};
