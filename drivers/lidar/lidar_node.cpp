@@ -289,6 +289,7 @@ void LidarNode::add_counters(Counters& counters) const {
   counters.set("clock.switches", clock_.switches());
   counters.set("clock.jumps", order_.jumps());
   if (const auto difference = clock_.difference()) set_level(counters, "clock.difference_us", *difference);
+  set_level(counters, "clock.drift_ppm", std::llround(clock_.drift().drift() * 1e6));
   if (host_is_synchronised_) set_level(counters, "clock.host_synchronised", *host_is_synchronised_ ? 1 : 0);
   if (has_recent_info()) counters.set(model_->facts().values);
 }
@@ -308,6 +309,7 @@ void LidarNode::add_loss_faults(std::vector<std::string>& faults) const {
 }
 
 void LidarNode::add_clock_faults(std::vector<std::string>& faults) const {
+  if (auto fault = clock_.drift().fault()) faults.push_back(std::move(*fault));
   const auto difference = clock_.difference();
   if (!difference || config_.clock == decoding::ClockMode::kHost) return;
   const double seconds = static_cast<double>(*difference) * 1e-6;
