@@ -105,6 +105,20 @@ TEST_F(MixedStreams, AnotherModelOnThePortIsRefusedByNameAndCostsNothing) {
   stream_.expect_true(bench_.points);
 }
 
+/// What a device of the same kind said of itself, as one that shares only the port of its information does, is not true
+/// of the one whose points come.
+TEST_F(MixedStreams, WhatAnotherDeviceSaidBeforeIsForgotten) {
+  const auto other = rs16_at_600(0.5);
+  for (int i = 0; i < 3; ++i) {
+    const std::int64_t at = LidarStream::kStart - (3 - i) * 100'000;
+    bench_.send(other->info(at), at, stream_.device().table().info_port);
+  }
+  bench_.node.forget_device();
+  feed(run(stream_, 4 * kSecond));
+  EXPECT_GT(bench_.points.size(), 3 * 750U) << counters();
+  stream_.expect_true(bench_.points);
+}
+
 /// Where no addresses tell them apart, as in a log: two in a row that agree would be believed, and they never agree.
 TEST_F(MixedStreams, InformationOfAnotherDeviceOfItsKindChangesNoPoint) {
   feed(run(stream_, 4 * kSecond));
