@@ -17,6 +17,7 @@ namespace curbstone {
 inline constexpr auto kLevels = std::to_array<std::string_view>({
     "clock.device",
     "clock.difference_us",
+    "clock.drift_ppm",
     "clock.host_synchronised",
     "commands.running",
     "dense.points",

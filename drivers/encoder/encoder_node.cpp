@@ -96,15 +96,14 @@ EncoderNode::EncoderNode(const EncoderConfig& config, Publisher& bus, Send send)
 
 void EncoderNode::on_frame(std::int64_t receive_utime, const can::CanFrame& frame) {
   counters_.add("frames");
-  const std::int64_t before = drive_.refused();
   refusal_ = nullptr;
   last_frame_ = receive_utime;
   if (signals_) {
     on_signals(receive_utime, frame);
   } else {
     drive_.on_frame(receive_utime, frame);
+    if (drive_.refusal() != nullptr) refusal_ = drive_.refusal();
   }
-  if (drive_.refused() != before) refusal_ = "refused.length";
   if (refusal_ != nullptr) {
     share_.refused(receive_utime, refusal_);
   } else {

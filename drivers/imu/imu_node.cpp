@@ -249,6 +249,8 @@ NodeReport ImuNode::report() const {
     report.faults.push_back(fmt::format("no sample from the IMU for {:.0f} s", silent));
   if (link_fault_.empty() && silent <= config_.silence) report_samples(report.faults);
   if (const auto difference = arrival_.difference()) set_level(report.counters, "clock.difference_us", *difference);
+  set_level(report.counters, "clock.drift_ppm", std::llround(clock_.drift().drift() * 1e6));
+  if (auto fault = clock_.drift().fault()) report.faults.push_back(std::move(*fault));
   if (auto fault = arrival_.fault()) report.faults.push_back(std::move(*fault));
   if (garbled_) report.faults.emplace_back("garbage from the IMU: wrong baud, or another device");
   if (const auto& fault = refusals_.fault()) report.faults.push_back(*fault);

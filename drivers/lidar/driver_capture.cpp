@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "drivers/lidar/models/base/sender.hpp"
+#include "drivers/lidar/packet_role.hpp"
 #include "drivers/lidar/sources/capture_contents.hpp"
 #include "drivers/lidar/stamp_shift.hpp"
 
@@ -43,9 +44,8 @@ bool DriverCapture::is_for_us(const Packet& packet) const {
   return ports_of(config_).contains(packet.port);
 }
 
-bool DriverCapture::is_own(const Packet& packet) const {
-  const models::Sender sender = models::sender_of(packet.bytes);
-  return model_ ? model_->is_own(sender) : models::is_supported(sender);
+sources::OneSender::Kind DriverCapture::role_of_packet(const Packet& packet) const {
+  return role_of(model_.get(), models::sender_of(packet.bytes));
 }
 
 std::optional<DriverCapture::Packet> DriverCapture::next_in_file() {
@@ -56,7 +56,7 @@ std::optional<DriverCapture::Packet> DriverCapture::next_in_file() {
       ++foreign_;
       continue;
     }
-    if (!sender_.admits(packet->sender, packet->received, is_own(*packet))) continue;
+    if (!sender_.admits(packet->sender, packet->received, role_of_packet(*packet))) continue;
     if (repeats_ == 0) ++count_;
     return packet;
   }

@@ -26,6 +26,8 @@ class DriverCapture {
 
   /// The next packet; nothing at the end. It is valid until advance().
   [[nodiscard]] const std::optional<Packet>& packet() const { return packet_; }
+  /// Whether it is of another device than those before: once.
+  [[nodiscard]] bool is_another() { return sender_.is_another(); }
   /// Throws std::runtime_error if the file is damaged or cut off.
   void advance();
 
@@ -38,7 +40,7 @@ class DriverCapture {
  private:
   [[nodiscard]] bool any_port() const;
   [[nodiscard]] bool is_for_us(const Packet& packet) const;
-  [[nodiscard]] bool is_own(const Packet& packet) const;
+  [[nodiscard]] sources::OneSender::Kind role_of_packet(const Packet& packet) const;
   [[nodiscard]] std::optional<Packet> next_in_file();
   void restart_file();
   void shift_packet();

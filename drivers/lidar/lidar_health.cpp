@@ -15,6 +15,8 @@ std::string remedy(decoding::Refusal why, const models::ModelTable& model) {
       return "the device is set to a return mode that is not known, or has not sent it: let it send its information";
     case Refusal::kNoAngles:
       return "the device has not sent its lasers' angles; give them in angles_file, or let it send its information";
+    case Refusal::kOtherDevice:
+      return "two devices send with one address: give each its own";
     case Refusal::kStamp:
       return "the device's stamps do not go on evenly";
     case Refusal::kAzimuth:

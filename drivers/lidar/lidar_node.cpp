@@ -49,6 +49,7 @@ LidarNode::LidarNode(const LidarConfig& config, Publisher& bus, HostClockCheck h
       sent_(bus, config.channel),
       host_clock_(std::move(host_clock)),
       settings_(settings_of(config)),
+      model_name_(config.model),
       model_(models::make_model(config.model, settings_)),
       clock_(config.clock, microseconds(config.clock_tolerance)),
       head_(static_cast<int>(std::lround(config.cut_angle * 100))),
@@ -65,6 +66,13 @@ void LidarNode::expect_one_info() {
   settings_.only_info = true;
   vote_.expect_one_info();
   if (model_) model_ = models::make_model(config_.model, settings_);
+}
+
+void LidarNode::forget_device() {
+  early_info_.clear();
+  lasers_ = {};
+  identity_ = {};
+  if (model_) model_ = models::make_model(model_name_, settings_);
 }
 
 void LidarNode::on(const raw_packet_t& packet) {
@@ -104,6 +112,7 @@ bool LidarNode::find_model(std::int64_t received, std::span<const std::uint8_t> 
   }
   try {
     model_ = models::make_model(*name, settings_);
+    model_name_ = *name;
   } catch (const std::runtime_error& error) {
     source_fault_ = error.what();  // the angles are those of another device
     return false;
@@ -289,6 +298,7 @@ void LidarNode::add_counters(Counters& counters) const {
   counters.set("clock.switches", clock_.switches());
   counters.set("clock.jumps", order_.jumps());
   if (const auto difference = clock_.difference()) set_level(counters, "clock.difference_us", *difference);
+  set_level(counters, "clock.drift_ppm", std::llround(clock_.drift().drift() * 1e6));
   if (host_is_synchronised_) set_level(counters, "clock.host_synchronised", *host_is_synchronised_ ? 1 : 0);
   if (has_recent_info()) counters.set(model_->facts().values);
 }
@@ -308,6 +318,7 @@ void LidarNode::add_loss_faults(std::vector<std::string>& faults) const {
 }
 
 void LidarNode::add_clock_faults(std::vector<std::string>& faults) const {
+  if (auto fault = clock_.drift().fault()) faults.push_back(std::move(*fault));
   const auto difference = clock_.difference();
   if (!difference || config_.clock == decoding::ClockMode::kHost) return;
   const double seconds = static_cast<double>(*difference) * 1e-6;

@@ -22,6 +22,7 @@
 #include "drivers/lidar/lidar_health.hpp"
 #include "drivers/lidar/lost_packets.hpp"
 #include "drivers/lidar/models/model_vote.hpp"
+#include "drivers/lidar/packet_role.hpp"
 #include "drivers/lidar/sent_packet.hpp"
 #include "drivers/lidar/silent_lasers.hpp"
 
@@ -44,11 +45,13 @@ class LidarNode final : public Node {
   /// Takes a packet from a log.
   void on(const raw_packet_t& packet);
 
-  /// Whether these bytes are from the model; while it is unknown, from any that it could be.
-  [[nodiscard]] bool is_own(std::span<const std::uint8_t> bytes) const {
-    const models::Sender sender = models::sender_of(bytes);
-    return model_ ? model_->is_own(sender) : models::is_supported(sender);
+  /// What these bytes are to the model; while it is unknown, to any that it could be.
+  [[nodiscard]] sources::OneSender::Kind role_of_packet(std::span<const std::uint8_t> bytes) const {
+    return role_of(model_.get(), models::sender_of(bytes));
   }
+
+  /// The next packet is of another device of the model: what the former one has reported of itself is not true of it.
+  void forget_device();
 
   /// Call it before the first packet of a capture with only one device information.
   void expect_one_info();
@@ -98,6 +101,7 @@ class LidarNode final : public Node {
   models::ModelSettings settings_;
   models::ModelVote vote_;
   std::deque<EarlyInfo> early_info_;
+  models::ModelName model_name_;          ///< as decided, with `auto`
   std::unique_ptr<models::Model> model_;  ///< none until `model: auto` is decided
   decoding::PacketOrder order_;
   decoding::PacketClock clock_;

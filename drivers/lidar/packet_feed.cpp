@@ -59,7 +59,9 @@ class NetworkFeed final : public PacketFeed {
 
   void receive(sources::UdpSource& source) {
     source.receive([&](auto received, int on_port, auto bytes) {
-      if (sender_.admits(source.sender(), received, node_.is_own(bytes))) node_.on_packet(received, on_port, bytes);
+      if (!sender_.admits(source.sender(), received, node_.role_of_packet(bytes))) return;
+      if (sender_.is_another()) node_.forget_device();
+      node_.on_packet(received, on_port, bytes);
     });
     std::int64_t dropped = 0, foreign = sender_.foreign();
     for (const auto& each : sources_) {
@@ -104,6 +106,7 @@ class CaptureFeed final : public PacketFeed {
     const std::int64_t now = steady_clock();
     const auto& packet = capture_.packet();
     for (int i = 0; i < kMaxAtOnce && packet && pace_.due(packet->received, now); ++i) {
+      if (capture_.is_another()) node_.forget_device();
       node_.on_packet(packet->received, packet->port, packet->bytes);
       ++count_;
       capture_.advance();
@@ -138,8 +141,10 @@ std::int64_t feed_whole_capture(const LidarConfig& config, LidarNode& node) {
   DriverCapture capture(config, false);
   std::int64_t count = 0;
   if (has_one_info(config)) node.expect_one_info();
-  for (; const auto& packet = capture.packet(); capture.advance(), ++count)
+  for (; const auto& packet = capture.packet(); capture.advance(), ++count) {
+    if (capture.is_another()) node.forget_device();
     node.on_packet(packet->received, packet->port, packet->bytes);
+  }
   count_refused(capture, node);
   node.finish();
   return count;

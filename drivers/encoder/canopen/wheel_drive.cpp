@@ -41,6 +41,9 @@ bool in_alarm(std::uint16_t word) {
   return (word & 0x4F) == 0x08 || (word & 0x4F) == 0x0F || (word & 0x80) != 0;
 }
 
+/// Of a status word: whether the wheel is powered, and in alarm. The other bits come and go as it turns.
+constexpr std::uint16_t kStateBits = 0xEF;
+
 /// Low half left, high half right: measured for the speeds, probable for status and faults (encoders_can.md, B4).
 std::array<std::uint16_t, 2> halves(std::uint32_t value) {
   return {static_cast<std::uint16_t>(value), static_cast<std::uint16_t>(value >> 16)};
@@ -130,6 +133,7 @@ void WheelDrive::start(std::int64_t now) {
   is_heard_ = false;
   lines_read_ = faults_read_ = {};
   status_ = {};  // it may be another drive, or have been switched off and on
+  pdos_ = {};
   restart(now);
 }
 
@@ -137,6 +141,7 @@ void WheelDrive::start(std::int64_t now) {
 void WheelDrive::restart(std::int64_t now) {
   sdo_.cancel();
   status_.word_utime = status_.faults_utime = 0;
+  latest_words_.reset();
   nmt_state_ = NmtState::kOperational;
   since_ = now;
   handlers_.on_stop();
@@ -197,14 +202,16 @@ bool WheelDrive::is_from_drive(const can::CanFrame& frame) const {
 
 void WheelDrive::on_frame(std::int64_t receive_utime, const can::CanFrame& frame) {
   if (state_ == State::kIdle) start(receive_utime);
+  refusal_ = nullptr;
   nodes_.add(frame);
   is_heard_ = is_heard_ || is_from_drive(frame);
   if (frame.extended || frame.remote) {
     counters_.add("ignored.frames");
   } else if (frame.id == canopen::kTpdo1 + settings_.node) {
     if (state_ != State::kRunning) return counters_.add("ignored.unconfigured");
-    if (frame.size != 8) return counters_.add("refused.length");
+    if (frame.size != 8) return refuse("refused.length");
     last_counts_ = receive_utime;
+    pdos_.add_positions(frame);
     if (std::exchange(answers_start_, false)) {
       answer_ = frame;
       answered_ = receive_utime;
@@ -217,11 +224,8 @@ void WheelDrive::on_frame(std::int64_t receive_utime, const can::CanFrame& frame
     handlers_.on_counts(receive_utime, {static_cast<std::int32_t>(left), static_cast<std::int32_t>(right)});
   } else if (frame.id == canopen::kTpdo2 + settings_.node) {
     if (state_ != State::kRunning) return counters_.add("ignored.unconfigured");
-    if (frame.size != 8) return counters_.add("refused.length");
-    status_.word = halves(read_little_endian<std::uint32_t>(frame.bytes()));
-    const auto speeds = halves(read_little_endian<std::uint32_t>(frame.bytes().subspan(4)));
-    for (std::size_t i = 0; i < 2; ++i) status_.speed[i] = static_cast<std::int16_t>(speeds[i]);
-    status_.word_utime = receive_utime;
+    if (frame.size != 8) return refuse("refused.length");
+    on_status(receive_utime, frame);
   } else if (frame.id == canopen::kSdoReply + settings_.node) {
     sdo_.on_frame(receive_utime, frame);
   } else if (frame.id == canopen::kHeartbeat + settings_.node) {
@@ -233,10 +237,15 @@ void WheelDrive::on_frame(std::int64_t receive_utime, const can::CanFrame& frame
   }
 }
 
+void WheelDrive::refuse(const char* cause) {
+  counters_.add(cause);
+  refusal_ = cause;
+}
+
 void WheelDrive::on_heartbeat(std::int64_t now, const can::CanFrame& frame) {
-  if (frame.size != 1) return counters_.add("refused.length");
+  if (frame.size != 1) return refuse("refused.length");
   const auto state = static_cast<NmtState>(frame.data[0] & 0x7F);
-  if (!is_state(state)) return counters_.add("refused.heartbeat");
+  if (!is_state(state)) return refuse("refused.heartbeat");
   last_heartbeat_ = state == NmtState::kBootUp ? 0 : now;  // a boot-up promises no heartbeats
   const bool confirmed = std::exchange(latest_state_, state) == state;
   if (confirmed) nmt_state_ = state;
@@ -254,9 +263,28 @@ void WheelDrive::on_heartbeat(std::int64_t now, const can::CanFrame& frame) {
   }
 }
 
+void WheelDrive::on_status(std::int64_t now, const can::CanFrame& frame) {
+  pdos_.add_status(frame);
+  const auto words = halves(read_little_endian<std::uint32_t>(frame.bytes()));
+  const auto before = std::exchange(latest_words_, words);
+  if (!before) return;
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (((words[i] ^ (*before)[i]) & kStateBits) != 0) return;
+  }
+  status_.word = words;
+  status_.word_utime = now;
+  const auto speeds = halves(read_little_endian<std::uint32_t>(frame.bytes().subspan(4)));
+  for (std::size_t i = 0; i < 2; ++i) status_.speed[i] = static_cast<std::int16_t>(speeds[i]);
+}
+
 void WheelDrive::on_emergency(const can::CanFrame& frame) {
-  if (frame.size != 8) return counters_.add("refused.length");
-  status_.emergency = read_little_endian<std::uint16_t>(frame.bytes());
+  if (frame.size != 8) return refuse("refused.length");
+  const auto code = read_little_endian<std::uint16_t>(frame.bytes());
+  if (code != 0 && (frame.data[2] == 0 || pdos_.resembles(frame))) {
+    poll_now_ = true;  // if it was one, the fault word tells
+    return refuse("refused.emergency");
+  }
+  status_.emergency = code;
   status_.error_register = status_.emergency != 0 ? frame.data[2] : std::uint8_t{0};
   if (status_.emergency != 0) counters_.add("drive.emergencies");
   poll_now_ = true;  // the message says that there is a fault, the fault word says which

@@ -11,6 +11,7 @@
 #include "common/bus/counters.hpp"
 #include "common/time/recent_times.hpp"
 #include "drivers/encoder/can/can_frame.hpp"
+#include "drivers/encoder/canopen/latest_pdos.hpp"
 #include "drivers/encoder/canopen/nodes_heard.hpp"
 #include "drivers/encoder/canopen/sdo_client.hpp"
 
@@ -18,7 +19,7 @@ namespace curbstone::encoder::canopen {
 
 /// Status as reported by the drive. Index 0 is the left wheel, 1 the right.
 struct DriveStatus {
-  std::array<std::uint16_t, 2> word{};    ///< CiA 402 status words
+  std::array<std::uint16_t, 2> word{};    ///< CiA 402 status words, as two frames in a row say
   std::int64_t word_utime = 0;            ///< us, of the latest ones; 0: none since the latest set-up
   std::array<std::int16_t, 2> speed{};    ///< 0.1 rpm, received with the status words
   std::array<std::uint16_t, 2> faults{};  ///< 603F: bits; only requested if this master sets the drive up
@@ -38,12 +39,14 @@ struct DriveStatus {
 /// CiA 301, CiA 402; ZLAC8015D CANopen manual.
 ///
 /// On a line without a checksum (SLCAN) a digit may be damaged in any frame: what an SDO reads counts when it was read
-/// twice, and a state in a heartbeat, other than a boot-up, when two heartbeats in a row say so.
+/// twice, and a state in a heartbeat, other than a boot-up, when two heartbeats in a row say so, and so do the states
+/// in the status words. An EMCY is sent once. It is refused if its error register has no error, or if it is a TPDO by
+/// its contents.
 ///
 /// The first positions after a start of the drive are ignored, and the same again at once: they answer the start, and
 /// the event timer begins later. Counts: drive.setups, drive.boots, drive.silences, drive.stops (left operational
 /// without this master's command), drive.emergencies, ignored.frames, ignored.unconfigured, ignored.first,
-/// refused.length, refused.heartbeat (a state that CANopen does not have), and those of SdoClient.
+/// refused.length, refused.heartbeat (a state that CANopen does not have), refused.emergency, and those of SdoClient.
 class WheelDrive {
  public:
   struct Settings {
@@ -76,8 +79,8 @@ class WheelDrive {
   [[nodiscard]] std::vector<std::string> faults() const;
   /// "; heard instead: CAN node 2", while nothing is heard of this drive since the link came up; else empty.
   [[nodiscard]] std::string heard_instead() const { return is_heard_ ? "" : nodes_.instead_of(settings_.node); }
-  /// Number of refused frames.
-  [[nodiscard]] std::int64_t refused() const { return counters_["refused.length"] + counters_["refused.heartbeat"]; }
+  /// Why the latest frame was refused: the counter's name; nullptr if it was not.
+  [[nodiscard]] const char* refusal() const { return refusal_; }
   [[nodiscard]] Counters counters() const;
   /// The CAN ids that a source must pass on.
   [[nodiscard]] static std::vector<std::uint32_t> ids(std::uint8_t node);
@@ -103,8 +106,10 @@ class WheelDrive {
   void run(std::int64_t now);
   void fail(std::int64_t now, std::string why);
   void on_heartbeat(std::int64_t now, const can::CanFrame& frame);
+  void on_status(std::int64_t now, const can::CanFrame& frame);
   void on_emergency(const can::CanFrame& frame);
   void poll(std::int64_t now);
+  void refuse(const char* cause);
 
   Settings settings_;
   Handlers handlers_;
@@ -125,13 +130,16 @@ class WheelDrive {
   NmtState latest_state_ = NmtState::kOperational;
   bool poll_now_ = false;
   DriveStatus status_;
-  static constexpr std::size_t kManyBoots = 3;  // within a minute
+  LatestPdos pdos_;
+  std::optional<std::array<std::uint16_t, 2>> latest_words_;  // since the latest set-up
+  static constexpr std::size_t kManyBoots = 3;                // within a minute
   RecentTimes boots_{kManyBoots, 60'000'000};
   std::optional<std::uint32_t> encoder_lines_;
   TwiceRead lines_read_, faults_read_;
   NodesHeard nodes_;
   bool is_heard_ = false;  // any frame of the drive, since the link came up
   std::string fault_;
+  const char* refusal_ = nullptr;
   Counters counters_;
 };
 

@@ -53,6 +53,8 @@ class PacketClock {
   [[nodiscard]] std::int64_t switches() const { return switches_; }  ///< of the clock, after the first choice
   /// Device minus host, by the least delayed packet of the last seconds; nothing before the first stamp.
   [[nodiscard]] std::optional<std::int64_t> difference() const;
+  /// How far the device's clock drifts against the host's; what is on the host's clock is corrected by it.
+  [[nodiscard]] const ClockDrift& drift() const { return offset_.drift(); }
 
   static constexpr int kPatience = 750;
 

@@ -16,6 +16,7 @@ constexpr double kReceiptJitter = 40'000;   // us, of the time of receipt
 constexpr double kLongGapJitter = 250'000;  // us, the same after a longer silence
 constexpr double kClocksAgree = 20'000;     // us; clocks do not agree to this by chance
 constexpr int kForgetRefusedAfter = 3;      // packets
+constexpr std::int64_t kGone = 1'000'000;   // us without a packet, after which a second device is followed
 
 double nearest_turn(double angle) {
   return angle - kFullCircle * std::round(angle / kFullCircle);
@@ -121,7 +122,10 @@ Refusal PacketOrder::take_without_stamp() {
 }
 
 Refusal PacketOrder::handle_misfit(const Mark& packet, Refusal why) {
-  misfits_ = misfit_ && misfits_ > 0 && fits(*misfit_, packet) == Refusal::kNone ? misfits_ + 1 : 1;
+  const bool goes_on = misfit_ && fits(*misfit_, packet) == Refusal::kNone;
+  misfits_ = goes_on && misfits_ > 0 ? misfits_ + 1 : 1;
+  const bool at_once = goes_on && static_cast<double>(packet.stamp - misfit_->stamp) <= 4 * packet.duration;
+  others_ = at_once ? others_ + 1 : 0;
   misfit_ = packet;
   if (!confirmed_) {
     // One of the first two is wrong. The first has not been released; the next packet decides.
@@ -129,12 +133,15 @@ Refusal PacketOrder::handle_misfit(const Mark& packet, Refusal why) {
     restarted_ = true;
     return Refusal::kNone;
   }
+  const bool between_good_ones = others_ >= std::max(kAgreeing, misfits_);
+  if (between_good_ones && packet.received - base_->received < kGone) return Refusal::kOtherDevice;
   if (misfits_ < kAgreeing) {
     refused();
     return why;
   }
   ++jumps_;
-  misfits_ = 0;
+  misfits_ = others_ = 0;
+  misfit_.reset();
   restarted_ = true;
   sent_.reset();
   draining_ = held_count_ > 0;

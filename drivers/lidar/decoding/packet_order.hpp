@@ -26,8 +26,9 @@ struct PendingPacket {
 /// A packet that fits the previous one is released at once. If one or two are missing before it, it waits, because they
 /// may have been overtaken: until they arrive, or a third one has arrived after them. So at most two packets are held,
 /// 2.7 ms of an RS16. A packet that does not fit is refused. If kAgreeing in a row fit each other, the device's clock
-/// was set, or the head moved: they are the new base. The first packet is held until a second one fits it, unless its
-/// stamp is the host's time.
+/// was set, or the head moved: they are the new base. If good ones come between them, a second device sends with the
+/// same address: its packets are refused until the first one has been silent for a second. The first packet is held
+/// until a second one fits it, unless its stamp is the host's time.
 ///
 /// Packets without a stamp are released as they arrive. Pure; one thread. Stamps in us.
 class PacketOrder {
@@ -94,6 +95,7 @@ class PacketOrder {
   std::optional<Mark> misfit_;  ///< the newest packet that did not fit
   int discarded_ = 0;
   int misfits_ = 0;    ///< in a row, fitting each other
+  int others_ = 0;     ///< misfits that continue each other, whatever came between
   int stampless_ = 0;  ///< in a row
   int refused_ = 0;    ///< packets since the latest released one
   int sent_since_refused_ = 0;

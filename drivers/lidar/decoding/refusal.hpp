@@ -15,6 +15,7 @@ enum class Refusal {
   kNoAngles,  ///< the lasers' elevations are not known yet
   kLate,      ///< fired before one that was already released
   kDuplicate,
+  kOtherDevice,  ///< it continues others of which each came between good ones: a second device, with the same address
   kDifopMode,    ///< device information with a return mode that the device does not have
   kDifopAngles,  ///< device information with angles that the device cannot have
   kPosition,     ///< a position packet without its expected contents
@@ -43,6 +44,8 @@ enum class Refusal {
       return "refused.late";
     case Refusal::kDuplicate:
       return "refused.duplicate";
+    case Refusal::kOtherDevice:
+      return "refused.other_device";
     case Refusal::kDifopMode:
       return "refused.difop_mode";
     case Refusal::kDifopAngles:

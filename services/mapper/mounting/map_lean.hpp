@@ -45,10 +45,10 @@ class MapLean {
   }
   void add_faults(std::vector<std::string>& faults) const {
     if (!leans_) return;
-    faults.push_back(
-        fmt::format("LiDAR: the map leans by {:.0f} deg against gravity: do most of its lasers return, does its mount "
-                    "give way? The map is wrong from where that began",
-                    lean_ * 180 / std::numbers::pi));
+    faults.push_back(fmt::format(
+        "LiDAR: the map leans by {:.0f} deg against gravity by odometry: do most of its lasers return, does "
+        "its mount give way? Else the IMU's accelerometer is wrong (an axis, its bias), and the map is not",
+        lean_ * 180 / std::numbers::pi));
   }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 

@@ -37,7 +37,7 @@ void TurnAgreement::add_faults(std::vector<std::string>& faults) const {
   if (is_reported(tilt_))
     faults.push_back(
         fmt::format("LiDAR: it has tilted by {:.1f} deg against odometry within a second, {:.0f} s ago: has its mount "
-                    "slipped, or is the gyro wrong? The map may lean from there on",
+                    "slipped, or is the IMU's gyro or accelerometer wrong? The map may lean from there on",
                     kDegrees * tilt_.max, seconds_ago(tilt_)));
   if (is_reported(turn_))
     faults.push_back(fmt::format(

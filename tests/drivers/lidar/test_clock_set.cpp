@@ -41,6 +41,37 @@ TEST_P(LidarOnASetClock, LosesAMomentAndFollows) {
 }
 INSTANTIATE_TEST_SUITE_P(By, LidarOnASetClock, ::testing::Values(-3600, -1, -0.5, -0.05, 0.06, 0.5, 1, 3600));
 
+/// The device's second is longer or shorter than the host's: `part` of it.
+class LidarWhoseClockDrifts : public ::testing::TestWithParam<double> {};
+
+TEST_P(LidarWhoseClockDrifts, IsCorrectedAndNamed) {
+  LidarConfig config;
+  config.model = models::ModelName::kRs16;
+  Bench bench(config);
+  bench.host_is_synchronised = false;
+  LidarStream stream(std::make_unique<simulate::devices::Rs16Emulator>());
+  std::vector<RecordedPacket> packets;
+  stream.run_for(20'000'000, packets);
+  const std::int64_t begin = packets.front().received;
+  for (const RecordedPacket& packet : packets) {
+    const auto passed = static_cast<double>(packet.received - begin);
+    const std::int64_t now = begin + std::llround(passed * (1 + GetParam()));
+    const std::size_t before = bench.points.size();
+    bench.send(packet.bytes, now, packet.port);
+    bench.node.tick(now);
+    if (passed < 7e6 || bench.points.size() == before) continue;
+    ASSERT_NEAR(static_cast<double>(now - bench.points.back().utime), 1'333 + 150, 200) << passed * 1e-6 << " s";
+  }
+  EXPECT_NEAR(static_cast<double>(bench.count("clock.drift_ppm")), GetParam() * 1e6,
+              std::abs(GetParam()) < 1e-4 ? 100 : std::abs(GetParam()) * 2e4 + 2);
+  const bool named = std::ranges::any_of(bench.node.report().faults, [](const std::string& fault) {
+    return fault.find(GetParam() > 0 ? "loses" : "gains") != std::string::npos;
+  });
+  EXPECT_EQ(named, std::abs(GetParam()) > 5e-4);
+}
+INSTANTIATE_TEST_SUITE_P(By, LidarWhoseClockDrifts,
+                         ::testing::Values(-0.01, -0.001, -0.0002, -0.00002, 0.00002, 0.0002, 0.001, 0.01));
+
 /// Set back by an hour, what was lost counted for nothing for an hour: it waited behind the losses of later times.
 TEST(LostPackets, CountWhenTheClockIsSetBack) {
   LostPackets lost;

@@ -105,6 +105,39 @@ TEST_F(MixedStreams, AnotherModelOnThePortIsRefusedByNameAndCostsNothing) {
   stream_.expect_true(bench_.points);
 }
 
+/// As they are delivered, all devices of a maker have one address.
+TEST_F(MixedStreams, ASecondDeviceWithTheSameAddressIsNamedAndNotFollowed) {
+  feed(run(stream_, 2 * kSecond));
+  LidarStream second(rs16_at_600(), [](std::int64_t) { return 588.0; });
+  (void)run(second, 2 * kSecond + 617);
+  for (int i = 0; i < 10; ++i) {
+    auto packets = run(stream_, kSecond);
+    // For 50 ms of each second the first one is not heard.
+    packets.erase(packets.begin() + 300, packets.begin() + 337);
+    for (RecordedPacket& packet : run(second, kSecond)) {
+      if (packet.port == stream_.device().table().point_port) packets.push_back(std::move(packet));
+    }
+    feed(std::move(packets));
+  }
+  EXPECT_NEAR(static_cast<double>(bench_.points.size()), 2 * 750.75 + 10 * 713, 20) << counters();
+  EXPECT_THAT(faults(), Contains(HasSubstr("most of them refused.other_device"))) << counters();
+  stream_.expect_true(bench_.points);
+}
+
+/// What a device of the same kind said of itself, as one that shares only the port of its information does, is not true
+/// of the one whose points come.
+TEST_F(MixedStreams, WhatAnotherDeviceSaidBeforeIsForgotten) {
+  const auto other = rs16_at_600(0.5);
+  for (int i = 0; i < 3; ++i) {
+    const std::int64_t at = LidarStream::kStart - (3 - i) * 100'000;
+    bench_.send(other->info(at), at, stream_.device().table().info_port);
+  }
+  bench_.node.forget_device();
+  feed(run(stream_, 4 * kSecond));
+  EXPECT_GT(bench_.points.size(), 3 * 750U) << counters();
+  stream_.expect_true(bench_.points);
+}
+
 /// Where no addresses tell them apart, as in a log: two in a row that agree would be believed, and they never agree.
 TEST_F(MixedStreams, InformationOfAnotherDeviceOfItsKindChangesNoPoint) {
   feed(run(stream_, 4 * kSecond));

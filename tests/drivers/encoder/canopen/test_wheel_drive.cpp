@@ -215,7 +215,7 @@ TEST_F(ListeningTest, AnEmergencyOfBeforeTheLinkWasLostIsNoneOfNow) {
   wait(5'000'000);
   EXPECT_THAT(drive_.faults(), IsEmpty());
   EXPECT_TRUE(drive_.status().enabled(now_));
-  status(0xA8);
+  for (int i = 0; i < 2; ++i) status(0xA8);
   EXPECT_THAT(drive_.faults(), Contains("drive, left wheel: alarm (status word 00A8)")) << "if it lasts this tells";
 }
 
@@ -229,10 +229,10 @@ TEST_F(ListeningTest, ADriveThatAnotherMasterHasStoppedIsAFault) {
 
 TEST_F(ListeningTest, AnAlarmInTheStatusWordIsAFaultThoughNobodyCanAskForItsCause) {
   wait(1'000'000);
-  status(0xA8);
+  for (int i = 0; i < 2; ++i) status(0xA8);
   EXPECT_THAT(drive_.faults(), Contains("drive, left wheel: alarm (status word 00A8)"));
   EXPECT_THAT(drive_.faults(), Contains("drive, right wheel: alarm (status word 00A8)"));
-  status();
+  for (int i = 0; i < 2; ++i) status();
   EXPECT_THAT(drive_.faults(), IsEmpty());
 }
 

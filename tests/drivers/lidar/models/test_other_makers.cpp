@@ -53,7 +53,7 @@ TEST(OtherMakers, DoNotKeepAutoFromFindingTheDeviceBesideThem) {
     const std::int64_t now = kStart + static_cast<std::int64_t>(i + 1) * 1332;
     bench.send(packets[i], now);
     bench.send(hesai_xt_packet(), now);
-    EXPECT_FALSE(bench.node.is_own(hesai_xt_packet()));
+    EXPECT_EQ(bench.node.role_of_packet(hesai_xt_packet()), sources::OneSender::Kind::kForeign);
   }
   EXPECT_EQ(bench.points.size(), 46U);
   EXPECT_EQ(bench.count("refused.hesai"), 46) << "the first four came before the model was known";

@@ -10,7 +10,8 @@ constexpr Ipv4 kSecond = 0xC0A801C9;  // 192.168.1.201
 
 class OneSenderTest : public ::testing::Test {
  protected:
-  bool admits(Ipv4 sender, bool is_own = true) { return sender_.admits(sender, now_, is_own); }
+  using Kind = OneSender::Kind;
+  bool admits(Ipv4 sender, Kind kind = Kind::kPoints) { return sender_.admits(sender, now_, kind); }
 
   OneSender sender_;
   std::int64_t now_ = 1'700'000'000'000'000;  // us
@@ -32,7 +33,9 @@ TEST_F(OneSenderTest, ADeviceThatWasReplacedIsFollowedAfterASecond) {
   now_ += OneSender::kSilence / 2;
   EXPECT_FALSE(admits(kSecond));
   now_ += OneSender::kSilence / 2 + 1;
+  EXPECT_FALSE(sender_.is_another());
   EXPECT_TRUE(admits(kSecond));
+  EXPECT_TRUE(sender_.is_another());
   EXPECT_EQ(sender_.fault(now_), "") << "it is the only one";
   EXPECT_FALSE(admits(kFirst));
 }
@@ -59,7 +62,7 @@ TEST_F(OneSenderTest, TheFaultIsOverOnceTheClockWasSetBack) {
 }
 
 TEST_F(OneSenderTest, PacketsOfOtherModelsAreNotItsBusiness) {
-  EXPECT_TRUE(admits(kSecond, false)) << "to be refused by what it is";
+  EXPECT_TRUE(admits(kSecond, Kind::kForeign)) << "to be refused by what it is";
   EXPECT_TRUE(admits(kFirst)) << "so it is no first device";
   EXPECT_EQ(sender_.foreign(), 0);
 }
@@ -69,6 +72,23 @@ TEST_F(OneSenderTest, AClockThatWasSetBackIsNoSilenceForEver) {
   now_ -= 3'600'000'000;
   EXPECT_TRUE(admits(kSecond));
   EXPECT_FALSE(admits(kFirst));
+}
+
+/// Each of two devices has a port of its own for its points, and both send their information to the one of the maker.
+TEST_F(OneSenderTest, ADeviceWithoutPointsIsGivenUpForOneThatSendsThem) {
+  for (int i = 0; i < 30; ++i, now_ += 100'000) EXPECT_TRUE(admits(kSecond, Kind::kInfo));
+  EXPECT_FALSE(sender_.is_another());
+  for (int i = 0; i < 1000; ++i, now_ += 1'333) {
+    ASSERT_TRUE(admits(kFirst));
+    ASSERT_EQ(sender_.is_another(), i == 0) << "what the second one said is not true of the first";
+    ASSERT_EQ(admits(kSecond, Kind::kInfo), false);
+  }
+  EXPECT_TRUE(admits(kFirst, Kind::kInfo));
+  EXPECT_NE(sender_.fault(now_), "");
+  now_ += 60'000'000;  // the first one starts again
+  EXPECT_FALSE(admits(kSecond, Kind::kInfo));
+  EXPECT_TRUE(admits(kFirst));
+  EXPECT_FALSE(sender_.is_another());
 }
 
 }  // namespace
