@@ -103,6 +103,8 @@ class Tracker {
   void insert_keyframe(const scan::Keyframe& node) { matcher_.map().insert_keyframe(node); }
   /// Bounds the registration map once the vehicle has moved far enough. True if voxels outside the window were dropped.
   bool forget_far();
+  /// See Registration::levels().
+  [[nodiscard]] std::vector<registration::ShapeLevel*> registration_levels() { return matcher_.map().levels(); }
   [[nodiscard]] double window() const { return matcher_.map().window(); }
 
   /// Number of voxels of the registration map; bounded by its window.
