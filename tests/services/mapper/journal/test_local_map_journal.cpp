@@ -91,7 +91,9 @@ TEST_F(LocalMapJournalTest, IsContinuedByASuccessorAndByItsSuccessor) {
     write(journal);
   }
   const auto size = std::filesystem::file_size(path_);
-  std::ofstream(path_, std::ios::app) << "a batch that was cut short";
+  std::string batch(100, '\0');
+  std::ifstream(path_, std::ios::binary).read(batch.data(), 100);
+  std::ofstream(path_, std::ios::app | std::ios::binary) << batch;  // it was cut short
   for (std::int32_t epoch = 8; epoch < 10; ++epoch) {
     const auto map = read(epoch - 1);
     ASSERT_TRUE(map);
