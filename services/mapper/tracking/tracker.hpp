@@ -181,6 +181,7 @@ class Tracker {
   ScanMatcher matcher_;
   std::optional<Last> last_;
   std::optional<Pose> known_start_;
+  std::int32_t last_number_ = 0;                // of the scan of last_
   std::optional<std::int64_t> broken_;          // us, end of a scan that did not follow the previous one in time
   std::optional<scan::Scan> first_;             // without odometry, until its motion is known
   std::vector<scan::LidarPoint> first_points_;  // of first_, de-skewed
