@@ -37,6 +37,7 @@ std::optional<MapperUpdate> Mapper::process(const scan::Scan& revolution, const 
   const std::optional<tracking::Tracked> tracked = tracker_.track(scan, odometry);
   if (!tracked) return std::nullopt;
   if (std::exchange(resumed_pose_, std::nullopt)) counters_.add(tracked->began ? "resumed.lost" : "resumed");
+  resumed_map_.reset();
   if (tracked->began) standstill_ = Standstill::at(tracked->utime, tracked->T_map_base);
 
   const std::optional<Pose> T_odom_base = trusted_odometry(odometry, scan.end);

@@ -65,7 +65,7 @@ struct MapperUpdate {
 ///
 /// Counters: those of Tracker, LoopCloser, RingScale and DenseMap (of DenseMap as of the last wait); searches (for a
 /// lost vehicle), searches.found, rolled_back, resumed (a drive that another mapper began), resumed.lost (likewise, but
-/// without odometry from its last pose).
+/// without odometry from its last pose), resumed.by_keyframes (likewise, with a local map made of keyframes).
 class Mapper {
  public:
   /// `spill_file`: storage for what is far from the vehicle; a SpillFile without a folder keeps it in memory, packed.
@@ -138,6 +138,8 @@ class Mapper {
   [[nodiscard]] const intensity::RingHistograms& rings() const { return scale_.basis(); }
   /// Number of voxels of the registration map; bounded by its window.
   [[nodiscard]] std::size_t registration_size() const { return tracker_.registration_size(); }
+  /// The voxels of that map, for the journal. Valid until the next call of another method.
+  [[nodiscard]] std::vector<registration::ShapeLevel*> registration_levels() { return tracker_.registration_levels(); }
   [[nodiscard]] Counters counters() const;
   /// Number of scans in a row that could not be registered.
   [[nodiscard]] int refused_in_a_row() const { return tracker_.refused_in_a_row(); }
@@ -176,6 +178,7 @@ class Mapper {
     std::int64_t utime;
   };
   void resume_at(const journal::RecordedPose& last, const scan::Scan& scan, const scan::OdometryHistory& odometry);
+  void restore_local_map(const Pose& T_map_base, int reference);
   [[nodiscard]] std::optional<Pose> trusted_odometry(const scan::OdometryHistory& odometry, std::int64_t utime) const;
   [[nodiscard]] bool must_search(const tracking::Tracked& tracked) const;
   [[nodiscard]] MapperUpdate update_of(const scan::Scan& scan, const tracking::Tracked& tracked,
@@ -214,10 +217,11 @@ class Mapper {
   StartMap start_;
   Trajectory trajectory_;
   Standstill standstill_;
-  std::optional<Earlier> earlier_;                     // nothing if the map has been rearranged since
-  std::optional<journal::RecordedPose> resumed_pose_;  // last pose of the mapper that died, until the first scan
-  scan::Twist resumed_twist_;                          // at that pose
-  std::int64_t searched_ = 0;                          // us, end of the scan of the last search
+  std::optional<Earlier> earlier_;                        // nothing if the map has been rearranged since
+  std::optional<journal::RecordedPose> resumed_pose_;     // last pose of the mapper that died, until the first scan
+  std::optional<journal::RecordedLocalMap> resumed_map_;  // likewise
+  scan::Twist resumed_twist_;                             // at that pose
+  std::int64_t searched_ = 0;                             // us, end of the scan of the last search
   FailedSearch failed_search_;
   bool is_settled_ = false;       // dense_->finish() was called since the vehicle was lost
   std::vector<TileKey> settled_;  // tiles that this call changed, until take_changed()

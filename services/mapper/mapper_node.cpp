@@ -232,6 +232,8 @@ void MapperNode::take_changes(std::int64_t now) {
   if (journal_->needs_restart(now)) journal_->start_epoch(epoch_, mapper_->recorded());
   journal_->set_rings(mapper_->rings());
   journal_->write(mapper_->grown(), mapper_->atlas(), changed, evicted, now);
+  if (config_.mode != config::MapMode::kLocalise)  // else it is made of keyframes
+    journal_->local_map().write(mapper_->registration_levels(), epoch_, last_end_, now);
 }
 
 void MapperNode::send_changes(std::int64_t now) {

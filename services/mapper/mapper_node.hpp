@@ -73,6 +73,7 @@ class MapperNode final : public Node {
   void begin_map();
   void open_journal();
   [[nodiscard]] bool resume_drive();
+  [[nodiscard]] std::int64_t resume_after(journal::RecordedDrive& drive) const;
   void note_missing(const scan::Scan& scan);
   void journal_epoch(const std::vector<journal::RecordedPose>& drive, bool is_rearranged);
   void add_counters(Counters& counters) const;

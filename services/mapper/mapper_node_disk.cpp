@@ -7,6 +7,7 @@
 #include "common/bus/levels.hpp"
 #include "common/config/config.hpp"
 #include "services/mapper/journal/journal_file.hpp"
+#include "services/mapper/journal/local_map_file.hpp"
 #include "services/mapper/mapper_node.hpp"
 #include "services/mapper/storage/map_folder.hpp"
 
@@ -16,7 +17,8 @@
 namespace curbstone::mapper {
 namespace {
 
-constexpr std::int64_t kMissing = 200'000;  // us of the drive that are worth a fault: four revolutions
+constexpr std::int64_t kRewind = 3'000'000;  // us of the drive that are mapped again at most, for the local map's sake
+constexpr std::int64_t kMissing = 200'000;   // us of the drive that are worth a fault: four revolutions
 
 std::size_t journal_bytes(const config::MapperConfig& config) {
   return static_cast<std::size_t>(config.journal_mb * 1e6);
@@ -50,6 +52,15 @@ void MapperNode::open_journal() {
   journal_.emplace(config_.journal, journal_bytes(config_), journal_hash(config_));
 }
 
+/// The time from which on the drive is mapped again, us: before what had not settled in the dense map, and not later
+/// than the local map, which must not lack scans. A local map that is too old for that is dropped.
+std::int64_t MapperNode::resume_after(journal::RecordedDrive& drive) const {
+  const std::int64_t last = drive.poses.back().utime;
+  const std::int64_t settled = last - std::llround(1e6 * config_.dense.settled_after());
+  if (drive.local_map && drive.local_map->utime < last - kRewind) drive.local_map.reset();
+  return drive.local_map ? std::min(settled, drive.local_map->utime) : settled;
+}
+
 /// Continues the drive of a mapper that was killed a short time ago. True if there is one.
 bool MapperNode::resume_drive() {
   if (config_.journal.empty()) return false;
@@ -65,8 +76,8 @@ bool MapperNode::resume_drive() {
         journal::read_journal(config_.journal, journal_bytes(config_), journal_hash(config_), spill_file_.get());
     if (!drive) return false;
     epoch_before_ = drive->epoch;
-    journal::drop_poses_after(drive->poses.back().utime - std::llround(1e6 * config_.dense.settled_after()),
-                              drive->poses);
+    drive->local_map = journal::read_local_map(journal_->local_map().path(), journal_hash(config_), drive->epoch);
+    journal::drop_poses_after(resume_after(*drive), drive->poses);
     resumed_drive_ = drive->poses;
     resumed_from_ = drive->poses.back().utime;
     input_.begin_at(resumed_from_);

@@ -67,6 +67,7 @@ void Mapper::resume(journal::RecordedDrive drive) {
   resumed_pose_ = drive.poses.back();
   if (drive.poses.size() > 1)
     resumed_twist_ = motion_between(*(drive.poses.end() - 2), *resumed_pose_, kMaxScanInterval);
+  resumed_map_ = std::move(drive.local_map);
   scale_.restore(std::move(drive.rings));
   const auto num_known = static_cast<std::size_t>(drive.num_known);
   for (std::size_t i = 0; i < drive.nodes.size(); ++i) {
@@ -100,7 +101,7 @@ void Mapper::resume_at(const journal::RecordedPose& last, const scan::Scan& scan
   const auto go_on = [&](std::int64_t utime, const Pose& T_map_base, double path) {
     T_map_odom_ = last.T_map_odom;
     tracker_.resume(utime, T_map_base, path, resumed_twist_);
-    local_map_.rebuild(T_map_base, last.node);
+    restore_local_map(T_map_base, last.node);
     standstill_ = Standstill{last.standing_since, last.utime, last.T_map_base, last.has_moved};
   };
   if (last.with_odometry && scan.start > last.utime && odometry.covers(scan.start, scan.end)) {
@@ -113,6 +114,14 @@ void Mapper::resume_at(const journal::RecordedPose& last, const scan::Scan& scan
   Pose T_map_start = upright(was_at.x(), was_at.y(), roll_pitch_yaw(last.T_map_base.linear()).z());
   T_map_start.translation().z() = was_at.z();
   tracker_.begin_at(T_map_start, reach);
+}
+
+/// The map that scans are registered to, as the mapper that died had it. Keyframes are all that is left of it where
+/// that is not known: one scan a metre, so the poses that follow differ by some mm.
+void Mapper::restore_local_map(const Pose& T_map_base, int reference) {
+  if (resumed_map_) return local_map_.restore(resumed_map_->levels, T_map_base, reference);
+  counters_.add("resumed.by_keyframes");
+  local_map_.rebuild(T_map_base, reference);
 }
 
 storage::SavedMap Mapper::saved(std::int32_t epoch) const {

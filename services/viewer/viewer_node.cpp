@@ -9,6 +9,7 @@
 
 #include "common/bus/levels.hpp"
 #include "common/geometry/geometry.hpp"
+#include "common/tile_sync/pose_order.hpp"
 #include "common/time/has_passed.hpp"
 
 namespace curbstone::viewer {
@@ -162,11 +163,12 @@ void ViewerNode::on(const map_pose_t& message) {
   const Pose T_map_base = pose_from_arrays(message.map_base_position, message.map_base_orientation);
   if (!is_finite(T_map_base) || message.utime <= 0) return counters_.add("refused.pose");
   if (!follow_epoch(message.epoch, EpochFollower::Source::kMapper)) return;
-  if (pose_ && message.utime <= pose_->utime) return counters_.add("dropped.late");
+  if (pose_ && is_overtaken({message.utime, message.revolution}, {pose_->utime, pose_->revolution}))
+    return counters_.add("dropped.late");
   pose_ = message;
   pose_heard_ = now_;
   const Eigen::Vector3f place = T_map_base.translation().cast<float>();
-  if ((message.flags & map_pose_t::LOST) == 0) path_.put({message.utime, place.x(), place.y(), place.z()});
+  if ((message.flags & map_pose_t::LOST) == 0) path_.append({message.utime, place.x(), place.y(), place.z()});
 }
 
 /// The pose is in the frame of the localizer's saved map, so its epoch is not an epoch of the live map.

@@ -26,6 +26,7 @@ void DriveJournal::adopt(const RecordedDrive& drive) {
   nodes_ = static_cast<int>(drive.nodes.size());
   edges_ = drive.edges.size();
   rings_ = drive.rings;
+  if (drive.local_map) local_map_.adopt(*drive.local_map);
   tiles_.clear();
   for (const auto& [key, tile] : drive.tiles)
     tiles_[key] = {tile.num_records, tile.num_runs, tile.num_records * sizeof(TilePoint)};

@@ -11,6 +11,7 @@
 #include "services/mapper/dense_map/unreadable_tiles.hpp"
 #include "services/mapper/journal/journal_lock.hpp"
 #include "services/mapper/journal/journal_writer.hpp"
+#include "services/mapper/journal/local_map_journal.hpp"
 #include "services/mapper/journal/pose_thinning.hpp"
 #include "services/mapper/journal/recorded_drive.hpp"
 #include "services/mapper/pose_graph/atlas.hpp"
@@ -26,7 +27,10 @@ class DriveJournal {
   /// `config_hash`: a mapper with another hash must not continue the drive. Throws JournalError if another process
   /// holds the journal.
   DriveJournal(const std::string& path, std::size_t max_bytes, std::string config_hash)
-      : lock_(path), writer_(path, max_bytes), config_hash_(std::move(config_hash)) {}
+      : lock_(path),
+        writer_(path, max_bytes),
+        local_map_(path + ".local_map", config_hash),
+        config_hash_(std::move(config_hash)) {}
 
   /// Begins a new epoch, in which every tile may differ. `drive`: the poses so far. The journal of the previous epoch
   /// stays until the new one has as much.
@@ -52,8 +56,13 @@ class DriveJournal {
   /// `now`: us.
   void write(const dense_map::DenseMap& map, const pose_graph::Atlas& atlas, const std::vector<TileKey>& changed,
              const std::vector<TileKey>& evicted, std::int64_t now);
+  /// The journal of the map that scans are registered to, in a file beside this one.
+  [[nodiscard]] LocalMapJournal& local_map() { return local_map_; }
   /// Deletes the journal: the drive is over, and nobody continues it. Waits for the disk.
-  void remove() { writer_.remove(); }
+  void remove() {
+    writer_.remove();
+    local_map_.remove();
+  }
 
   /// Empty if there is no fault.
   [[nodiscard]] const std::string& fault() const { return fault_; }
@@ -72,6 +81,7 @@ class DriveJournal {
 
   JournalLock lock_;
   JournalWriter writer_;
+  LocalMapJournal local_map_;
   std::string config_hash_;
   std::int32_t epoch_ = 0;
   bool is_adopted_ = false;

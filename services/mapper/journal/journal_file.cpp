@@ -62,31 +62,19 @@ class DriveSpiller {
   std::size_t nodes_ = 0;
 };
 
-/// The last batch of the file may be incomplete.
-std::optional<RecordedDrive> read_batches(std::ifstream& file, std::uintmax_t bytes, SpillFile* spill_file) {
+std::optional<RecordedDrive> read_drive(const std::string& path, std::size_t max_bytes, SpillFile* spill_file) {
   RecordedDrive drive;
   std::optional<DriveSpiller> spiller;
   if (spill_file != nullptr) spiller.emplace(*spill_file);
   std::size_t batch = 0, read = 0;
-  std::string items;
-  BatchHead head;
-  while (bytes >= sizeof head) {
-    if (!file.read(reinterpret_cast<char*>(&head), sizeof head)) throw std::runtime_error("cannot be read");
-    bytes -= sizeof head;
-    if (head.magic != kBatchMagic) throw std::runtime_error("is damaged, or no journal");
-    if (head.size > bytes) break;
-    items.resize(head.size);
-    if (!file.read(items.data(), static_cast<std::streamsize>(head.size))) throw std::runtime_error("cannot be read");
-    bytes -= head.size;
-    if (head.checksum != checksum_of(head.size, items)) throw std::runtime_error("is damaged: a checksum is wrong");
+  drive.bytes = read_batches(path, max_bytes, [&](const std::string& items) {
     apply_items(items, drive, ++batch);
     read += items.size();
-    drive.bytes += sizeof head + items.size();
     if (spiller && read > kSpillInterval) {
       spiller->spill(drive, kMaxRecordsInMemory);
       read = 0;
     }
-  }
+  });
   if (spiller) spiller->spill(drive, 0);
   if (drive.epoch == 0 || drive.poses.empty()) return std::nullopt;
   check_drive(drive);
@@ -104,6 +92,30 @@ std::string make_batch(std::string_view items) {
   return batch;
 }
 
+/// The last batch of the file may be incomplete.
+std::size_t read_batches(const std::string& path, std::size_t max_bytes,
+                         const std::function<void(const std::string& items)>& take) {
+  std::uintmax_t rest = fs::file_size(path);
+  if (rest > max_bytes) throw std::runtime_error(fmt::format("is larger than {} MB", max_bytes / 1'000'000));
+  std::ifstream file(path, std::ios::binary);
+  std::size_t bytes = 0;
+  std::string items;
+  BatchHead head;
+  while (rest >= sizeof head) {
+    if (!file.read(reinterpret_cast<char*>(&head), sizeof head)) throw std::runtime_error("cannot be read");
+    rest -= sizeof head;
+    if (head.magic != kBatchMagic) throw std::runtime_error("is damaged, or no journal");
+    if (head.size > rest) break;
+    items.resize(head.size);
+    if (!file.read(items.data(), static_cast<std::streamsize>(head.size))) throw std::runtime_error("cannot be read");
+    rest -= head.size;
+    if (head.checksum != checksum_of(head.size, items)) throw std::runtime_error("is damaged: a checksum is wrong");
+    take(items);
+    bytes += sizeof head + items.size();
+  }
+  return bytes;
+}
+
 std::optional<double> age_of_journal(const std::string& path) {
   std::error_code error;
   const fs::file_time_type written = fs::last_write_time(path, error);
@@ -115,10 +127,7 @@ std::optional<RecordedDrive> read_journal(const std::string& path, std::size_t m
                                           const std::string& config_hash, SpillFile* spill_file) {
   const std::int64_t failed_before = spill_file != nullptr ? spill_file->failed_reads() : 0;
   try {
-    const std::uintmax_t size = fs::file_size(path);
-    if (size > max_bytes) throw std::runtime_error(fmt::format("is larger than {} MB", max_bytes / 1'000'000));
-    std::ifstream file(path, std::ios::binary);
-    std::optional<RecordedDrive> drive = read_batches(file, size, spill_file);
+    std::optional<RecordedDrive> drive = read_drive(path, max_bytes, spill_file);
     if (drive && drive->config_hash != config_hash) throw std::runtime_error("is of a mapper with other settings");
     return drive;
   } catch (const std::exception& problem) {

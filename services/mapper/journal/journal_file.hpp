@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,6 +16,12 @@ namespace curbstone::mapper::journal {
 
 /// A batch as it is stored in the file.
 [[nodiscard]] std::string make_batch(std::string_view items);
+
+/// Reads a file of batches, and calls `take` for the items of each one that is whole. Returns the bytes of these.
+/// Throws std::runtime_error if the file is larger than `max_bytes`, is damaged, or cannot be read, and what `take`
+/// throws.
+std::size_t read_batches(const std::string& path, std::size_t max_bytes,
+                         const std::function<void(const std::string& items)>& take);
 
 /// Time since the journal was last written, s, by the host's clock: negative if the clock was set back. Nothing if
 /// there is no journal.

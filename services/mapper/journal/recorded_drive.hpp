@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
@@ -13,6 +14,7 @@
 #include "services/mapper/dense_map/tile_records.hpp"
 #include "services/mapper/intensity/ring_histograms.hpp"
 #include "services/mapper/pose_graph/pose_graph.hpp"
+#include "services/mapper/registration/shape_map.hpp"
 #include "services/mapper/scan/keyframe.hpp"
 
 namespace curbstone::mapper::journal {
@@ -44,6 +46,13 @@ struct RecordedTile {
   std::size_t num_runs = 0;               ///< likewise
 };
 
+/// The voxels of the map that scans are registered to.
+struct RecordedLocalMap {
+  std::int64_t utime = 0;  ///< us, end of a scan: all of its points and those before are in it, and perhaps later ones
+  std::vector<std::vector<registration::VoxelSums>> levels;  ///< of several sums of one voxel the last ones count
+  std::size_t bytes = 0;                                     ///< of the file, without a batch that was cut short
+};
+
 /// What a mapper needs to continue the drive of one that died.
 struct RecordedDrive {
   std::string config_hash;  ///< of the mapper that recorded it
@@ -52,9 +61,10 @@ struct RecordedDrive {
   std::vector<RecordedNode> nodes;
   std::vector<pose_graph::PoseEdge> edges;
   std::unordered_map<TileKey, RecordedTile, TileKeyHash> tiles;
-  std::vector<RecordedPose> poses;  ///< in order; at least one
-  intensity::RingHistograms rings;  ///< from which the scale of the tiles' intensities was made
-  std::size_t bytes = 0;            ///< of the file that holds it, without a batch that was cut short
+  std::vector<RecordedPose> poses;            ///< in order; at least one
+  intensity::RingHistograms rings;            ///< from which the scale of the tiles' intensities was made
+  std::size_t bytes = 0;                      ///< of the file that holds it, without a batch that was cut short
+  std::optional<RecordedLocalMap> local_map;  ///< from a file beside it; nothing if that is not of this drive and epoch
 };
 
 /// Drops the poses later than `utime`, us, but never the first one.

@@ -23,6 +23,15 @@ void LocalMap::leave() {
   atlas_.leave();
 }
 
+void LocalMap::restore(std::span<const std::vector<registration::VoxelSums>> levels, const Pose& T_map_base,
+                       int reference) {
+  NewLocalMap map{{}, atlas_.size(), tracker_.empty_map()};
+  map.present = atlas_.surroundings(reference, T_map_base.translation(), map.registration->window());
+  const std::vector<registration::ShapeLevel*> to = map.registration->levels();
+  for (std::size_t i = 0; i < std::min(to.size(), levels.size()); ++i) to[i]->restore(levels[i]);
+  replace(std::move(map), T_map_base, reference);
+}
+
 void LocalMap::replace(NewLocalMap map, const Pose& T_map_base, int reference) {
   const auto add = [&](int id) {
     map.registration->insert_keyframe(atlas_.node(id));

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "common/geometry/geometry.hpp"
 #include "services/mapper/pose_graph/atlas.hpp"
 #include "services/mapper/registration/registration.hpp"
+#include "services/mapper/registration/shape_map.hpp"
 #include "services/mapper/tracking/tracker.hpp"
 
 namespace curbstone::mapper::local_map {
@@ -41,6 +43,9 @@ class LocalMap {
   void rebuild(const Pose& T_map_base, int reference) {
     replace(build_local_map(atlas_, T_map_base, reference, tracker_.empty_map()), T_map_base, reference);
   }
+  /// Takes over the local map of another mapper, voxel by voxel: `levels` are those of its registration map. The
+  /// vehicle is at T_map_base and at the keyframe `reference`.
+  void restore(std::span<const std::vector<registration::VoxelSums>> levels, const Pose& T_map_base, int reference);
 
  private:
   pose_graph::Atlas& atlas_;

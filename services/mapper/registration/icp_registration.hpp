@@ -23,6 +23,7 @@ class IcpRegistration final : public Registration {
   void insert_keyframe(const scan::Keyframe& node) override;
   bool keep_around(const Eigen::Vector3d& centre) override;
   [[nodiscard]] double window() const override { return config_.window; }
+  [[nodiscard]] std::vector<ShapeLevel*> levels() override { return map_.levels(); }
   [[nodiscard]] std::size_t size() const override { return map_.size(); }
 
  private:

@@ -19,6 +19,11 @@ class LoamRegistration final : public Registration {
   void insert_keyframe(const scan::Keyframe& node) override;
   bool keep_around(const Eigen::Vector3d& centre) override;
   [[nodiscard]] double window() const override { return config_.window; }
+  [[nodiscard]] std::vector<ShapeLevel*> levels() override {
+    std::vector<ShapeLevel*> levels = planes_.levels();
+    levels.push_back(&edges_);
+    return levels;
+  }
   [[nodiscard]] std::size_t size() const override { return planes_.size() + edges_.size(); }
 
  private:

@@ -28,6 +28,7 @@ class PlaneMap {
   void insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base, const Eigen::Vector3f& lidar);
   /// Drops everything farther than `radius` m (in any axis) from `centre`.
   void keep_around(const Eigen::Vector3d& centre, double radius);
+  [[nodiscard]] std::vector<ShapeLevel*> levels() { return {&fine_, &coarse_}; }
   [[nodiscard]] std::size_t size() const { return fine_.size() + coarse_.size(); }  ///< voxels
 
  private:

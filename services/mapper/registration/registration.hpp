@@ -39,6 +39,8 @@ struct RegistrationResult {
   bool converged = false;
 };
 
+class ShapeLevel;
+
 /// Interface of a method that registers scans to a map, which it builds from them. make_registration() creates the two
 /// implementations, `icp` and `loam`. Deterministic: the same calls give the same bits.
 class Registration {
@@ -56,6 +58,8 @@ class Registration {
   /// and returns true when it did.
   virtual bool keep_around(const Eigen::Vector3d& centre) = 0;
   [[nodiscard]] virtual double window() const = 0;  ///< m
+  /// The levels of its voxel map, which are all that there is of it; always in the same order.
+  [[nodiscard]] virtual std::vector<ShapeLevel*> levels() = 0;
   /// Number of voxels of the map, to which its memory is proportional.
   [[nodiscard]] virtual std::size_t size() const = 0;
 };

@@ -52,6 +52,7 @@ void ShapeLevel::add(const Eigen::Vector3d& point, const Eigen::Vector3f& ray, P
   m.squares += Eigen::Array4f(d.x() * d.x(), d.y() * d.y(), d.z() * d.z(), d.x() * d.y());
   m.rest += Eigen::Array4f(d.x() * d.z(), d.y() * d.z(), ray.x(), ray.y());
   m.rays_z += ray.z();
+  if (notes_changes_ && !std::exchange(m.is_noted, true)) changed_.push_back(place.cell);
 }
 
 void ShapeLevel::search(std::span<const Eigen::Vector3d> points, std::span<Place> places) const {

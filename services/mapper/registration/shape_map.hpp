@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -28,6 +29,12 @@ struct ShapeLevelOptions {
   double max_flatness = 0.1;  ///< eigenvalue of the covariance across the shape, over the next larger one along it
   double min_width = 0.12;  ///< m: root of that larger eigenvalue; a narrower plane is a line, a narrower line a point
   double min_grazing = 0.05;  ///< sine of the mean angle at which rays met the plane: see fit()
+};
+
+/// A voxel as it is kept in a file.
+struct VoxelSums {
+  std::array<std::int32_t, 3> cell{};
+  std::array<float, 13> sums{};  ///< the first: count of its points; see ShapeLevel::Moments
 };
 
 /// Voxel map of planes, or of lines. A voxel keeps count, sum and sum of squares of its points. A voxel's shape is
@@ -64,6 +71,14 @@ class ShapeLevel {
 
   /// Drops voxels farther than `radius` m (in any axis) from `centre`, to within 2 voxels.
   void keep_around(const Eigen::Vector3d& centre, double radius);
+  /// From here on the voxels that take points are noted for take_changed(). Those that are there count as changed.
+  void note_changes();
+  [[nodiscard]] bool notes_changes() const { return notes_changes_; }
+  [[nodiscard]] std::size_t num_changed() const { return changed_.size(); }
+  /// Up to `most` of the voxels that have changed, the first ones first, which then count as unchanged.
+  [[nodiscard]] std::vector<VoxelSums> take_changed(std::size_t most);
+  /// Takes voxels that take_changed() of another map gave, in that order. They count as unchanged, changes are noted.
+  void restore(std::span<const VoxelSums> voxels);
   [[nodiscard]] std::size_t size() const { return moments_.size() - free_.size(); }
 
  private:
@@ -73,6 +88,7 @@ class ShapeLevel {
     Eigen::Array4f squares = Eigen::Array4f::Zero();  // sums of xx yy zz xy
     Eigen::Array4f rest = Eigen::Array4f::Zero();     // sums of xz yz; of the rays' x y
     float rays_z = 0;
+    bool is_noted = false;  // as changed
   };
   struct Offset;
   struct Neighbourhood;
@@ -98,6 +114,8 @@ class ShapeLevel {
   std::vector<Moments> moments_;     // by voxel
   std::vector<Fitted> fitted_;       // by voxel
   std::vector<std::uint32_t> free_;  // voxels that were dropped
+  bool notes_changes_ = false;
+  std::vector<Eigen::Vector3i> changed_;  // cells; some may have been dropped since
 };
 
 }  // namespace curbstone::mapper::registration

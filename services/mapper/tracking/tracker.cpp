@@ -9,10 +9,12 @@
 namespace curbstone::mapper::tracking {
 namespace {
 
-constexpr std::int64_t kMaxSweep = 1'000'000;  // us
-constexpr std::int64_t kClockJump = 100'000;   // us backwards: from here on a new clock, not a late scan
-constexpr int kFirstInsertions = 10;           // scans that the registration map takes even if the vehicle stands
-constexpr int kMaxMultiStarts = 3;             // refusals in a row up to which other motions are tried
+constexpr std::int64_t kMaxSweep = 1'000'000;     // us
+constexpr std::int64_t kClockJump = 100'000;      // us backwards: from here on a new clock, not a late scan
+constexpr std::int64_t kClockAhead = 60'000'000;  // us between two revolutions in a row: likewise, not a gap
+constexpr std::int32_t kInARow = 3;               // revolutions, of which one or two were refused
+constexpr int kFirstInsertions = 10;              // scans that the registration map takes even if the vehicle stands
+constexpr int kMaxMultiStarts = 3;                // refusals in a row up to which other motions are tried
 
 scan::SharedPoints share(std::vector<scan::LidarPoint> points) {
   return std::make_shared<const std::vector<scan::LidarPoint>>(std::move(points));
@@ -66,6 +68,7 @@ std::optional<Tracked> Tracker::track(const scan::Scan& scan, const scan::Odomet
   std::optional<Tracked::Earlier> first = confirm_start(found.fit);
   const Last before = *last_;
   Tracked tracked = conclude(scan.end, std::move(found));
+  last_number_ = scan.number;
   note_odometry(before, odometry);
   note_turn(tracked, believed);
   tracked.first = std::move(first);
@@ -142,7 +145,8 @@ Tracker::Attempt Tracker::attempt_multi_start(const PreviousPose& from, const sc
 }
 
 /// Whether a scan follows the last one in time. A late or duplicate scan does not. After a gap or a jump of the clock
-/// the second scan in a row is accepted: a single one may be an error.
+/// the second scan in a row is accepted: a single one may be an error. A clock that was set ahead looks like a gap; but
+/// a LiDAR that turned all the time has counted its revolutions on.
 bool Tracker::follows(const scan::Scan& scan, const scan::OdometryHistory& odometry) {
   const std::int64_t stride = scan.end - last_->end;
   const bool in_order = stride > 0 && static_cast<double>(stride) * 1e-6 <= kMaxStride;
@@ -154,7 +158,9 @@ bool Tracker::follows(const scan::Scan& scan, const scan::OdometryHistory& odome
     broken_ = scan.end;
     return false;
   }
-  if (stride < 0) {  // not a gap but a new clock
+  const std::int32_t revolutions = scan.number - last_number_;
+  const bool is_ahead = stride > kClockAhead && revolutions > 0 && revolutions <= kInARow;
+  if (stride < 0 || is_ahead) {  // not a gap but a new clock
     last_->end = *before - std::llround(stride_ * 1e6);
     tracking_state_.start(last_->end);
   }
@@ -271,6 +277,7 @@ Tracked Tracker::start(const scan::Scan& scan, const scan::OdometryHistory& odom
   tracked.registration.converged = true;
   tracked.registration.inlier_ratio = 1;
   last_ = Last{scan.end, tracked.T_map_base};
+  last_number_ = scan.number;
   tracking_state_.start(scan.end);
   T_map_keyframe_ = tracked.T_map_base;
   if (tracked.registered && !tracked.with_odometry) {

@@ -103,6 +103,8 @@ class Tracker {
   void insert_keyframe(const scan::Keyframe& node) { matcher_.map().insert_keyframe(node); }
   /// Bounds the registration map once the vehicle has moved far enough. True if voxels outside the window were dropped.
   bool forget_far();
+  /// See Registration::levels().
+  [[nodiscard]] std::vector<registration::ShapeLevel*> registration_levels() { return matcher_.map().levels(); }
   [[nodiscard]] double window() const { return matcher_.map().window(); }
 
   /// Number of voxels of the registration map; bounded by its window.
@@ -179,6 +181,7 @@ class Tracker {
   ScanMatcher matcher_;
   std::optional<Last> last_;
   std::optional<Pose> known_start_;
+  std::int32_t last_number_ = 0;                // of the scan of last_
   std::optional<std::int64_t> broken_;          // us, end of a scan that did not follow the previous one in time
   std::optional<scan::Scan> first_;             // without odometry, until its motion is known
   std::vector<scan::LidarPoint> first_points_;  // of first_, de-skewed

@@ -102,6 +102,17 @@ class BlockIndex {
     }
   }
 
+  /// Calls `visit(cell, place)` for each cell that has an index.
+  template <class Visit>
+  void for_each(Visit&& visit) const {
+    for (const Block& block : blocks_) {
+      for (std::size_t i = 0; i < block.places.size(); ++i) {
+        const Eigen::Vector3i within(static_cast<int>(i >> 4), static_cast<int>((i >> 2) & 3), static_cast<int>(i & 3));
+        if (block.places[i] != kNone) visit(Eigen::Vector3i(block.block * kSide + within), block.places[i]);
+      }
+    }
+  }
+
   /// Drops the blocks for which `far(middle)` is true, `middle` being the cell at the block's centre. Calls
   /// `forget(place)` for each index in them.
   template <class Far, class Forget>

@@ -25,8 +25,15 @@ void ThinnedPath::put(const Point& point) {
   ++round_;
 }
 
+void ThinnedPath::append(Point point) {
+  if (point.utime + behind_ <= newest_) behind_ = newest_ + 1 - point.utime;
+  newest_ = point.utime += behind_;
+  put(point);
+}
+
 void ThinnedPath::clear() {
   points_.clear();
+  newest_ = behind_ = 0;
   ++round_;
 }
 

@@ -19,6 +19,8 @@ class ThinnedPath {
 
   /// Takes a pose if it is `kSpacing` away from its neighbours in time. A pose between known points begins a new round.
   void put(const Point& point);
+  /// Takes the pose that the vehicle has reached. It is the last one even if the host's clock was set back.
+  void append(Point point);
   void clear();
 
   /// Ordered by time. Within a round, points are only appended.
@@ -28,6 +30,8 @@ class ThinnedPath {
  private:
   std::vector<Point> points_;
   std::uint32_t round_ = 1;
+  std::int64_t newest_ = 0;  // us, of the last point appended
+  std::int64_t behind_ = 0;  // us that the clock was set back since the path began
 };
 
 }  // namespace curbstone::viewer::store

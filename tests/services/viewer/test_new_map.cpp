@@ -24,9 +24,10 @@ class NewMapTest : public ::testing::Test {
                            {1, web::Connections::Event::Kind::kMessage, R"({"resume": null})", now_}};
   }
   /// The vehicle is `x` m from the map's origin at `utime`.
-  void drive(std::int64_t utime, double x, std::int32_t epoch) {
+  void drive(std::int64_t utime, double x, std::int32_t epoch, std::int32_t revolution = 0) {
     map_pose_t pose{};
     pose.utime = utime;
+    pose.revolution = revolution;
     pose.epoch = epoch;
     pose.map_base_position[0] = x;
     pose.map_base_orientation[0] = pose.map_odom_orientation[0] = 1;
@@ -34,6 +35,7 @@ class NewMapTest : public ::testing::Test {
     bus_.publish("MAP_POSE", pose);
     bus_.dispatch();
   }
+  [[nodiscard]] double pose_x() const { return node_.pose()->map_base_position[0]; }
   void begin_epoch(std::int64_t utime, double x) {
     for (int i = 0; i < 3; ++i) drive(utime + i * 50'000, x, kAfter);
   }
@@ -122,6 +124,16 @@ TEST_F(NewMapTest, StaysOneThoughItIsCorrectedAsAWhole) {
   begin_epoch(kBegan + 9'000'000, 0.2);
   for (int i = 0; i < 3; ++i) drive(kBegan + 20'000'000 + i * 50'000, 0.3, kAfter + 1);
   EXPECT_NEAR(new_map_age().get<double>(), 0.1, 0.2);
+}
+
+TEST_F(NewMapTest, ThePoseGoesOnWhereTheClockIsSetBack) {
+  int revolution = 0;
+  for (const std::int64_t back : {2'000'000LL, 3'600'000'000LL}) {
+    for (int i = 1; i < 6; ++i) drive(kBegan - back + i * 50'000, 10 + i, kBefore, ++revolution);
+    EXPECT_EQ(pose_x(), 15) << back;
+  }
+  drive(kBegan - 3'600'000'000 + 100'000, 3, kBefore, revolution - 3);
+  EXPECT_EQ(pose_x(), 15) << "this one was overtaken";
 }
 
 }  // namespace

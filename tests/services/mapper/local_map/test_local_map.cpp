@@ -22,6 +22,7 @@ class CountingMap final : public registration::Registration {
   void insert_keyframe(const scan::Keyframe&) override { ++count_; }
   bool keep_around(const Eigen::Vector3d&) override { return true; }
   [[nodiscard]] double window() const override { return 80; }
+  [[nodiscard]] std::vector<registration::ShapeLevel*> levels() override { return {}; }
   [[nodiscard]] std::size_t size() const override { return 0; }
 
  private:

@@ -85,6 +85,16 @@ TEST(ThinnedPathTest, KeepsAPointEachQuarterOfAMetreInOrderOfTime) {
   EXPECT_THAT(path.points(), SizeIs(0));
 }
 
+TEST(ThinnedPathTest, IsInTheOrderOfTheDriveWhereTheClockIsSetBack) {
+  ThinnedPath path;
+  for (int i = 0; i < 5; ++i) path.append({9'000'000'000 + i * 100'000, static_cast<float>(i), 0, 0});
+  const std::uint32_t round = path.round();
+  for (int i = 5; i < 10; ++i) path.append({5'000'000'000 + i * 100'000, static_cast<float>(i), 0, 0});
+  ASSERT_EQ(path.points().size(), 10U);
+  for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(path.points()[i].x, static_cast<float>(i));
+  EXPECT_EQ(path.round(), round) << "pages are sent the new points alone";
+}
+
 TEST(ThinnedPathTest, HasAnEnd) {
   ThinnedPath path;
   for (std::size_t i = 0; i < ThinnedPath::kMaxPoints + 5; ++i)
