@@ -23,6 +23,8 @@ class PosePairs {
   [[nodiscard]] bool empty() const { return places_.empty(); }
   /// us, of the newest pair. This and the following require at least one pair.
   [[nodiscard]] std::int64_t newest() const { return places_.back().utime; }
+  /// us, of the oldest pair, from which motion is compared.
+  [[nodiscard]] std::int64_t oldest() const { return places_.front().utime; }
   /// The turn by the map less the turn by odometry, as a rotation vector in base_link, rad.
   [[nodiscard]] Eigen::Vector3d turned_apart(const Pose& T_map_base, const Pose& T_odom_base) const;
   /// The pose in map that odometry predicts, starting from the oldest pair.

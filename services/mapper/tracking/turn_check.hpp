@@ -12,7 +12,8 @@ namespace curbstone::mapper::tracking {
 /// scans for a long time before. Such a registration follows something large on both sides that drives along with the
 /// vehicle: most of the scan's points stand still in base_link. A faulty gyro does not outvote the scans: one with a
 /// wrong scale contradicts the wheels in a bend; one whose bias leapt contradicts the wheels until the filter explains
-/// it, and from then on the scans.
+/// it, and from then on the scans; the difference due to one whose bias grows, as in a device that warms up, comes
+/// slowly, and that of a registration that begins to slide suddenly.
 ///
 /// It does not detect a registration that slides by less than PosePairs::kMaxTurnDifference in a second, or without
 /// turning: on a straight road only max_jump_m does.
@@ -22,6 +23,7 @@ class TurnCheck {
  public:
   static constexpr std::int64_t kPatience = 10'000'000;   ///< us for which odometry is used instead of scans
   static constexpr std::int64_t kProbation = 10'000'000;  ///< us for which both must have agreed before
+  static constexpr double kDriftTime = 5;                 ///< s over which the drift of odometry's turn is averaged
 
   /// Adds an accepted scan that ended at `utime`, us.
   void add(std::int64_t utime, const Pose& T_map_base, const Pose& T_odom_base);
@@ -37,9 +39,11 @@ class TurnCheck {
   [[nodiscard]] Pose by_odometry(const Pose& T_odom_base) const { return believed_.by_odometry(T_odom_base); }
 
  private:
-  [[nodiscard]] bool disagree(const Pose& T_map_base, const Pose& T_odom_base) const;
+  [[nodiscard]] double turned_apart(const Pose& T_map_base, const Pose& T_odom_base) const;
+  void follow_drift(std::int64_t utime, double apart);
 
   scan::PosePairs believed_;
+  double drift_ = 0;                       // rad/s, mean turn by accepted scans less that by odometry
   std::optional<std::int64_t> disagreed_;  // us, when odometry last differed from an accepted scan, or start
 };
 

@@ -43,6 +43,21 @@ TEST_F(TurnCheckTest, DriftIsNoContradiction) {
   EXPECT_FALSE(next_contradicts(0.012));
 }
 
+TEST_F(TurnCheckTest, ABiasThatGrowsIsNoContradiction) {
+  for (double bias = 0; bias < 0.05; bias += 0.001) {  // 2.9 deg/s in 50 s
+    ASSERT_FALSE(next_contradicts(bias)) << bias;
+    turns_.add(utime(), T_map_base_, T_odom_base_);
+    drive(0.95, bias);
+  }
+}
+
+TEST_F(TurnCheckTest, AScanThatStaysBehindIsOneAlsoWhereOdometryDrifts) {
+  drive(12, 0.012);
+  drive(0.05, -0.2);
+  drive(0.05, -0.2);
+  EXPECT_TRUE(next_contradicts(-0.2));
+}
+
 TEST_F(TurnCheckTest, AScanThatStaysBehindInTheBendIsOne) {
   drive(12);
   drive(0.05, -0.15);
