@@ -112,6 +112,9 @@ Tracker::Attempt Tracker::attempt(const scan::Scan& scan, const scan::OdometryHi
     if (mount == Mount::kTurned)
       first = judged(matcher_.fit(departure(), scan, predict_motion(config_, recent(), scan, odometry), motion_));
   }
+  if (first.believed && guided) {
+    if (auto steady = attempt_without_leap(first, from, scan)) return std::move(*steady);
+  }
   if (first.believed) return first;
   Attempt second = guided ? attempt_without_odometry(from, scan) : attempt_multi_start(from, scan);
   return second.believed ? second : first;

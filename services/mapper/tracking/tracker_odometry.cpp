@@ -14,8 +14,32 @@ constexpr double kMaxTurnChange = 0.03;  // rad, change of the turn from scan to
 constexpr double kSteady = 0.5 * mounting::MountYaw::kTurn;  // rad, a smaller change from scan to scan is a vehicle's
 constexpr int kMinSparseForFault = 10;                       // scans in a row that are a fault
 constexpr double kMaxSteadyTime = 5;                         // s for which a speed is taken as constant
+constexpr double kMaxTiltChange = 0.0175;  // rad, change of the tilt from scan to scan that is more likely a leap
+
+double tilt_between(const Pose& a, const Pose& b) {
+  return so3_log(Eigen::Quaterniond(a.linear().transpose() * b.linear())).head<2>().norm();
+}
+
+/// Share of the scan's points that lie on a surface of the map.
+double fitting_share(const registration::RegistrationResult& result) {
+  return result.overlap * result.inlier_ratio;
+}
 
 }  // namespace
+
+/// Registers the scan from a constant velocity if odometry claims a leap of the tilt. A filter that corrects its tilt
+/// at once makes odometry leap, and registration that begins at the leap may end in a false minimum which looks
+/// acceptable. Nothing unless the scan fits better than by odometry.
+std::optional<Tracker::Attempt> Tracker::attempt_without_leap(const Attempt& by_odometry, const PreviousPose& from,
+                                                              const scan::Scan& scan) {
+  MotionPrediction steady = predict_constant_velocity(recent(), scan);
+  if (tilt_between(by_odometry.fit.prediction.T_last_base, steady.T_last_base) < kMaxTiltChange) return std::nullopt;
+  Attempt attempt = judged(matcher_.fit(from, scan, std::move(steady), motion_));
+  if (!attempt.believed || fitting_share(attempt.fit.result) <= fitting_share(by_odometry.fit.result))
+    return std::nullopt;
+  counters_.add("odometry.not_believed");
+  return attempt;
+}
 
 /// Stores odometry's pose at the last scan's end. The last scan before a gap may end after its odometry: then the
 /// latest pose by odometry is moved on by the motion of the scans.

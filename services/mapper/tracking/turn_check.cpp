@@ -8,7 +8,8 @@ namespace curbstone::mapper::tracking {
 namespace {
 
 constexpr double kMaxApart = scan::PosePairs::kMaxTurnDifference;
-constexpr double kMinSpan = 0.5;  // s: over less the noise of two registrations is much of a rate
+constexpr double kUnexplained = 0.9 * kMaxApart;  // rad: a drift below the rest of it changes no verdict
+constexpr double kMinSpan = 0.5;                  // s: over less the noise of two registrations is much of a rate
 
 }  // namespace
 
@@ -16,7 +17,8 @@ void TurnCheck::add(std::int64_t utime, const Pose& T_map_base, const Pose& T_od
   const bool set_back = disagreed_ && utime < *disagreed_;
   const double apart = believed_.empty() ? 0 : turned_apart(T_map_base, T_odom_base);
   if (!disagreed_ || set_back || std::abs(apart) > kMaxApart) disagreed_ = utime;
-  if (!believed_.empty()) follow_drift(utime, apart);
+  if (believed_.empty() || set_back) since_ = utime;
+  if (utime - since_ > kProbation) follow_drift(utime, apart);
   believed_.add(utime, T_map_base, T_odom_base);
 }
 
@@ -32,7 +34,7 @@ bool TurnCheck::contradicts(std::int64_t utime, const Pose& T_map_base, const Po
   if (gives_up(utime) || utime - *disagreed_ <= kProbation) return false;
   const double apart = turned_apart(T_map_base, T_odom_base);
   const double by_drift = drift_ * scan::seconds(believed_.oldest(), utime);
-  return std::abs(apart) > kMaxApart && std::abs(apart - by_drift) > kMaxApart;
+  return std::abs(apart) > kMaxApart && std::abs(apart - by_drift) > kUnexplained;
 }
 
 bool TurnCheck::gives_up(std::int64_t utime) const {

@@ -43,6 +43,7 @@ class TurnCheck {
   void follow_drift(std::int64_t utime, double apart);
 
   scan::PosePairs believed_;
+  std::int64_t since_ = 0;                 // us, of the first accepted scan of this history
   double drift_ = 0;                       // rad/s, mean turn by accepted scans less that by odometry
   std::optional<std::int64_t> disagreed_;  // us, when odometry last differed from an accepted scan, or start
 };
