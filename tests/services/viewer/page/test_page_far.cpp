@@ -26,6 +26,7 @@ class PageFar : public PageOnABus {
 TEST_F(PageFar, EachCellIsWhereItIs) {
   for (const double scale : {30.0, 190.0, 750.0}) {
     open_far(scale, "&off=relief.curbs.path.points");
+    ASSERT_TRUE(shows("#latency", "from sensor to screen")) << "until then the card grows, over cells that counted";
     int seen = 0;
     EXPECT_EQ(wrong_cells(tiles.begin()->second, browser->picture(), &seen), 0) << scale << " pixels per m";
     EXPECT_GT(seen, 20);
