@@ -112,10 +112,7 @@ Tracker::Attempt Tracker::attempt(const scan::Scan& scan, const scan::OdometryHi
     if (mount == Mount::kTurned)
       first = judged(matcher_.fit(departure(), scan, predict_motion(config_, recent(), scan, odometry), motion_));
   }
-  if (first.believed && guided) {
-    if (auto steady = attempt_without_leap(first, from, scan)) return std::move(*steady);
-  }
-  if (first.believed) return first;
+  if (first.believed) return guided ? without_leap(std::move(first), from, scan) : first;
   Attempt second = guided ? attempt_without_odometry(from, scan) : attempt_multi_start(from, scan);
   return second.believed ? second : first;
 }
@@ -161,7 +158,7 @@ bool Tracker::follows(const scan::Scan& scan, const scan::OdometryHistory& odome
     broken_ = scan.end;
     return false;
   }
-  const std::int32_t revolutions = scan.number - last_number_;
+  const std::int64_t revolutions = std::int64_t{scan.number} - last_number_;
   const bool is_ahead = stride > kClockAhead && revolutions > 0 && revolutions <= kInARow;
   if (stride < 0 || is_ahead) {  // not a gap but a new clock
     last_->end = *before - std::llround(stride_ * 1e6);

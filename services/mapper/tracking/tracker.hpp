@@ -147,8 +147,7 @@ class Tracker {
   [[nodiscard]] std::optional<Attempt> attempt_across_gap(const PreviousPose& from, const scan::Scan& scan,
                                                           const scan::OdometryHistory& odometry);
   [[nodiscard]] Attempt attempt_without_odometry(const PreviousPose& from, const scan::Scan& scan);
-  [[nodiscard]] std::optional<Attempt> attempt_without_leap(const Attempt& by_odometry, const PreviousPose& from,
-                                                            const scan::Scan& scan);
+  [[nodiscard]] Attempt without_leap(Attempt by_odometry, const PreviousPose& from, const scan::Scan& scan);
   [[nodiscard]] Attempt attempt_multi_start(const PreviousPose& from, const scan::Scan& scan);
   [[nodiscard]] bool turns_steadily(std::int64_t from, std::int64_t to, const scan::OdometryHistory& odometry) const;
   [[nodiscard]] MotionPrediction corrected(MotionPrediction prediction, const scan::Scan& scan,

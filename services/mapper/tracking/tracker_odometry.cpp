@@ -27,16 +27,15 @@ double fitting_share(const registration::RegistrationResult& result) {
 
 }  // namespace
 
-/// Registers the scan from a constant velocity if odometry claims a leap of the tilt. A filter that corrects its tilt
-/// at once makes odometry leap, and registration that begins at the leap may end in a false minimum which looks
-/// acceptable. Nothing unless the scan fits better than by odometry.
-std::optional<Tracker::Attempt> Tracker::attempt_without_leap(const Attempt& by_odometry, const PreviousPose& from,
-                                                              const scan::Scan& scan) {
+/// Where odometry claims a leap of the tilt, the scan is registered from a constant velocity as well, and the one that
+/// fits better is returned. A filter that corrects its tilt at once makes odometry leap, and registration that begins
+/// there may end in a false minimum that looks acceptable.
+Tracker::Attempt Tracker::without_leap(Attempt by_odometry, const PreviousPose& from, const scan::Scan& scan) {
   MotionPrediction steady = predict_constant_velocity(recent(), scan);
-  if (tilt_between(by_odometry.fit.prediction.T_last_base, steady.T_last_base) < kMaxTiltChange) return std::nullopt;
+  if (tilt_between(by_odometry.fit.prediction.T_last_base, steady.T_last_base) < kMaxTiltChange) return by_odometry;
   Attempt attempt = judged(matcher_.fit(from, scan, std::move(steady), motion_));
   if (!attempt.believed || fitting_share(attempt.fit.result) <= fitting_share(by_odometry.fit.result))
-    return std::nullopt;
+    return by_odometry;
   counters_.add("odometry.not_believed");
   return attempt;
 }

@@ -8,7 +8,7 @@ namespace curbstone::mapper::tracking {
 namespace {
 
 constexpr double kMaxApart = scan::PosePairs::kMaxTurnDifference;
-constexpr double kUnexplained = 0.9 * kMaxApart;  // rad: a drift below the rest of it changes no verdict
+constexpr double kUnexplained = 0.9 * kMaxApart;  // rad: a drift that explains less than a tenth does not count
 constexpr double kMinSpan = 0.5;                  // s: over less the noise of two registrations is much of a rate
 
 }  // namespace

@@ -12,8 +12,8 @@ namespace curbstone::mapper::tracking {
 /// scans for a long time before. Such a registration follows something large on both sides that drives along with the
 /// vehicle: most of the scan's points stand still in base_link. A faulty gyro does not outvote the scans: one with a
 /// wrong scale contradicts the wheels in a bend; one whose bias leapt contradicts the wheels until the filter explains
-/// it, and from then on the scans; the difference due to one whose bias grows, as in a device that warms up, comes
-/// slowly, and that of a registration that begins to slide suddenly.
+/// it, and from then on the scans. A bias that grows, as in a device that warms up, turns odometry away slowly, while
+/// a registration begins to slide suddenly: the mean drift of the last seconds is no contradiction.
 ///
 /// It does not detect a registration that slides by less than PosePairs::kMaxTurnDifference in a second, or without
 /// turning: on a straight road only max_jump_m does.
