@@ -13,7 +13,6 @@ namespace curbstone::semantic_map {
 namespace {
 
 constexpr double kPathSpacing = 0.1;          // m, of the path in the picture
-constexpr std::int64_t kLatest = 10'000'000;  // us: no MAP_POSE comes later
 constexpr std::size_t kSteppedAtOnce = 4000;  // steps of tiles: most of a second
 
 }  // namespace
@@ -33,17 +32,11 @@ void SemanticMapNode::on(const map_pose_t& message) {
   if (follow_mapper(message)) take(message);
 }
 
-/// Whether a newer message overtook this one. A newer revolution at an earlier time means that the host's clock was set
-/// back, and so does a delay that no message has.
-bool SemanticMapNode::is_late(const map_pose_t& message) const {
-  return message.utime <= last_pose_.utime && message.revolution <= last_pose_.revolution &&
-         last_pose_.utime - message.utime < kLatest;
-}
-
 void SemanticMapNode::take(const map_pose_t& message) {
-  if (is_late(message)) return counters_.add("dropped.late");
+  const PoseStamp stamp{message.utime, message.revolution};
+  if (is_overtaken(stamp, last_pose_)) return counters_.add("dropped.late");
   begin_drive(message.utime);
-  last_pose_ = {message.utime, message.revolution};
+  last_pose_ = stamp;
   const Pose T_map_base = pose_from_arrays(message.map_base_position, message.map_base_orientation);
   vehicle_ = T_map_base.translation().head<2>();
   const bool is_guess = (message.flags & map_pose_t::LOST) != 0;

@@ -18,6 +18,7 @@
 #include "common/tile_sync/drive_follower.hpp"
 #include "common/tile_sync/epoch_follower.hpp"
 #include "common/tile_sync/lost_timer.hpp"
+#include "common/tile_sync/pose_order.hpp"
 #include "common/tile_sync/tile_sync.hpp"
 #include "services/semantic_map/map_lines.hpp"
 #include "services/semantic_map/map_linker.hpp"
@@ -73,7 +74,6 @@ class SemanticMapNode final : public Node {
   void take_again(const map_trajectory_t& message);
   void begin_drive(std::int64_t utime);
   void add_to_path(std::int64_t utime, const Eigen::Vector2d& place);
-  [[nodiscard]] bool is_late(const map_pose_t& message) const;
   void send_requests(std::int64_t now);
   void request_lost_tiles();
   /// Computes columns and classes of tiles with new points, some at a time, and publishes them.
@@ -124,11 +124,7 @@ class SemanticMapNode final : public Node {
   bool has_epoch_ = false;
   bool drive_started_ = false;
   /// Of the last MAP_POSE.
-  struct LastPose {
-    std::int64_t utime = 0;  // us
-    std::int32_t revolution = 0;
-  };
-  LastPose last_pose_;
+  PoseStamp last_pose_;
   LostTimer lost_timer_{LostTimer::kSemanticMap};
   std::int64_t newest_utime_ = 0;  // of any input
   Eigen::Vector2d vehicle_ = Eigen::Vector2d::Zero();
