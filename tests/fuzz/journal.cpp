@@ -1,8 +1,10 @@
-// A journal: batches of items that a mapper may have written. The checksums are right, as a wrong one ends it at once.
+// A journal, and the local map beside one: batches of items that a mapper may have written. The checksums are right, as
+// a wrong one ends it at once.
 #include <utility>
 
 #include "common/packing/spill_file.hpp"
 #include "services/mapper/journal/journal_file.hpp"
+#include "services/mapper/journal/local_map_file.hpp"
 #include "services/mapper/mapper.hpp"
 #include "tests/fuzz/support/memory_file.hpp"
 
@@ -28,11 +30,26 @@ std::string journal_of(fuzz::Input input) {
   return journal;
 }
 
+void read_as_local_map(const fuzz::MemoryFile& file, std::size_t bytes) {
+  const auto map = mapper::journal::read_local_map(file.name(), "", 0);
+  if (!map) return;
+  std::size_t voxels = 0;
+  for (const auto& level : map->levels) voxels += level.size();
+  fuzz::require(map->bytes <= bytes && voxels * sizeof(mapper::registration::VoxelSums) <= bytes,
+                "no voxel is made up");
+  for (const auto& level : map->levels) {
+    mapper::registration::ShapeLevel shapes(mapper::registration::ShapeLevelOptions{});
+    shapes.restore(level);
+    fuzz::require(shapes.size() <= level.size(), "a voxel that comes twice is one");
+  }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string bytes = journal_of(fuzz::Input(data, size));
   const fuzz::MemoryFile file({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+  read_as_local_map(file, bytes.size());
   std::optional<RecordedDrive> drive = read(file, nullptr);
   SpillFile far;
   const std::optional<RecordedDrive> packed = read(file, &far);

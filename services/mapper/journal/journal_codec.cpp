@@ -1,11 +1,11 @@
 #include "services/mapper/journal/journal_codec.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <stdexcept>
-#include <type_traits>
 #include <unordered_set>
 #include <utility>
+
+#include "services/mapper/journal/batch_bytes.hpp"
 
 namespace curbstone::mapper::journal {
 namespace {
@@ -14,8 +14,7 @@ enum class Item : std::uint8_t { kHead = 1, kNode, kEdge, kPose, kTile, kEvictio
 
 template <class Value>
 void put(std::string& out, const Value& value) {
-  static_assert(std::is_trivially_copyable_v<Value>);
-  out.append(reinterpret_cast<const char*>(&value), sizeof value);
+  append_value(out, value);
 }
 
 void put(std::string& out, const Pose& pose) {
@@ -39,26 +38,10 @@ constexpr std::int32_t kMaxKey = 17'000;                   // of a tile: 51 km
 constexpr std::int32_t kMaxOrigin = 32'700;                // m
 constexpr std::int64_t kMaxUtime = std::int64_t{1} << 60;  // us
 
-/// Reads the bytes of a batch from left to right.
-class ItemBytes {
+/// Reads the items of a batch from left to right.
+class ItemBytes : public BatchBytes {
  public:
-  explicit ItemBytes(std::string_view bytes) : rest_(bytes) {}
-  [[nodiscard]] bool empty() const { return rest_.empty(); }
-
-  template <class Value>
-  [[nodiscard]] Value take() {
-    static_assert(std::is_trivially_copyable_v<Value>);
-    Value value;
-    const std::string_view bytes = take_bytes(sizeof value);
-    std::memcpy(&value, bytes.data(), sizeof value);
-    return value;
-  }
-  [[nodiscard]] std::string_view take_bytes(std::size_t size) {
-    require(size <= rest_.size(), "ends within an item");
-    const std::string_view bytes = rest_.substr(0, size);
-    rest_.remove_prefix(size);
-    return bytes;
-  }
+  using BatchBytes::BatchBytes;
   /// `reach`: m from the origin, at most.
   [[nodiscard]] Pose take_pose(double reach) {
     Pose pose = Pose::Identity();
@@ -79,12 +62,9 @@ class ItemBytes {
   /// A count of items that follow, of `size` bytes each.
   [[nodiscard]] std::size_t take_count(std::size_t size) {
     const auto count = take<std::uint32_t>();
-    require(count <= rest_.size() / size, "claims more than it holds");
+    require(count <= this->size() / size, "claims more than it holds");
     return count;
   }
-
- private:
-  std::string_view rest_;
 };
 
 constexpr std::size_t kNodePointBytes = 6;

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "services/mapper/journal/batch_bytes.hpp"
 #include "services/mapper/journal/journal_file.hpp"
 
 namespace curbstone::mapper::journal {
@@ -21,36 +22,9 @@ constexpr std::int32_t kMaxCell = 1 << 20;  // along an axis: what a voxel's key
 
 static_assert(std::is_trivially_copyable_v<VoxelSums> && sizeof(VoxelSums) == 16 * 4);
 
-template <class Value>
-void put_value(std::string& out, const Value& value) {
-  out.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
 void require_of_map(bool holds) {
   if (!holds) throw std::runtime_error("is no local map");
 }
-
-/// Takes the values of a batch from left to right.
-class PartBytes {
- public:
-  explicit PartBytes(std::string_view bytes) : rest_(bytes) {}
-  [[nodiscard]] bool empty() const { return rest_.empty(); }
-  template <class Value>
-  [[nodiscard]] Value take() {
-    Value value;
-    std::memcpy(&value, take_bytes(sizeof value).data(), sizeof value);
-    return value;
-  }
-  [[nodiscard]] std::string_view take_bytes(std::size_t size) {
-    require_of_map(size <= rest_.size());
-    const std::string_view bytes = rest_.substr(0, size);
-    rest_.remove_prefix(size);
-    return bytes;
-  }
-
- private:
-  std::string_view rest_;
-};
 
 bool is_possible(const VoxelSums& voxel) {
   return std::all_of(voxel.cell.begin(), voxel.cell.end(),
@@ -60,7 +34,7 @@ bool is_possible(const VoxelSums& voxel) {
 }
 
 LocalMapPart decoded(const std::string& items) {
-  PartBytes bytes(items);
+  BatchBytes bytes(items);
   LocalMapPart part;
   part.config_hash = bytes.take_bytes(bytes.take<std::uint32_t>());
   part.epoch = bytes.take<std::int32_t>();
@@ -82,16 +56,16 @@ LocalMapPart decoded(const std::string& items) {
 
 std::string encoded(const LocalMapPart& part) {
   std::string out;
-  put_value(out, static_cast<std::uint32_t>(part.config_hash.size()));
+  append_value(out, static_cast<std::uint32_t>(part.config_hash.size()));
   out += part.config_hash;
-  put_value(out, part.epoch);
-  put_value(out, part.utime);
-  put_value(out, static_cast<std::uint32_t>(part.levels.size()));
+  append_value(out, part.epoch);
+  append_value(out, part.utime);
+  append_value(out, static_cast<std::uint32_t>(part.levels.size()));
   for (const std::vector<VoxelSums>& level : part.levels) {
-    put_value(out, static_cast<std::uint32_t>(level.size()));
+    append_value(out, static_cast<std::uint32_t>(level.size()));
     out.append(reinterpret_cast<const char*>(level.data()), level.size() * sizeof(VoxelSums));
   }
-  return make_batch(out);
+  return out;
 }
 
 std::optional<RecordedLocalMap> read_local_map(const std::string& path, const std::string& config_hash,

@@ -18,7 +18,7 @@ struct LocalMapPart {
   std::vector<std::vector<registration::VoxelSums>> levels;
 };
 
-/// As it is stored in the file.
+/// The items of its batch: see make_batch().
 [[nodiscard]] std::string encoded(const LocalMapPart& part);
 
 /// The map in the file of a mapper with the same settings in the same epoch. Nothing if there is no file, or it is of

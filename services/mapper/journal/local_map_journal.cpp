@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/time/has_passed.hpp"
+#include "services/mapper/journal/journal_file.hpp"
 #include "services/mapper/journal/local_map_file.hpp"
 
 namespace curbstone::mapper::journal {
@@ -52,7 +53,7 @@ void LocalMapJournal::write(std::span<registration::ShapeLevel* const> levels, s
     is_draining_ = is_draining_ || level->num_changed() > 0;
   }
   if (!is_draining_) part.utime = utime;
-  writer_.append(encoded(part), !is_draining_);
+  writer_.append(make_batch(encoded(part)), !is_draining_);
   if (is_draining_) return;
   written_ = now;
   if (whole_bytes_ == 0) whole_bytes_ = writer_.bytes();

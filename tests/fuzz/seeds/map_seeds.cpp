@@ -4,6 +4,7 @@
 #include <string>
 
 #include "services/mapper/journal/journal_codec.hpp"
+#include "services/mapper/journal/local_map_file.hpp"
 #include "services/mapper/storage/map_folder.hpp"
 #include "tests/fuzz/seeds/seed_folder.hpp"
 #include "tests/temporary_folder.hpp"
@@ -53,6 +54,16 @@ Seed journal() {
   return seed;
 }
 
+/// Two batches: a part of a local map, and the rest.
+Seed local_map() {
+  using mapper::registration::VoxelSums;
+  const VoxelSums voxel{{1, -2, 3}, {1, 0.1F, 0.1F, 0.1F}}, other{{4, 5, 6}, {2, 0.1F, 0.1F, 0.1F}};
+  Seed seed;
+  for (const std::int64_t utime : {0, 1'000'000})
+    put_piece(seed, bytes_of(mapper::journal::encoded({"", 0, utime, {{voxel, other}, {voxel}}})));
+  return seed;
+}
+
 /// The files in the order of the target.
 Seed map_folder() {
   mapper::storage::SavedMap map;
@@ -93,6 +104,7 @@ Seed bytes() {
 
 void write_map_seeds(const SeedFolder& folder) {
   folder.write("journal", "drive", journal());
+  folder.write("journal", "local_map", local_map());
   folder.write("map_folder", "map", map_folder());
   folder.write("map_file", "values", values());
   folder.write("map_file", "bytes", bytes());
