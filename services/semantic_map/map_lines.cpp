@@ -24,7 +24,7 @@ Eigen::Vector2d corner_of(TileKey key) {
   return {key.x * kTileSize, key.y * kTileSize};
 }
 
-/// Whether a cell shows ground.
+/// The height of a cell in which ground was seen.
 std::optional<double> ground_at(const TileLookup& tiles, const Eigen::Vector2d& at) {
   const auto key = tile_at(at.x(), at.y());
   const auto tile = key ? tiles(*key) : nullptr;
@@ -34,7 +34,7 @@ std::optional<double> ground_at(const TileLookup& tiles, const Eigen::Vector2d& 
   };
   const auto i = static_cast<std::size_t>(cell_of(at.y(), key->y) * kCellsPerTile + cell_of(at.x(), key->x));
   const bool is_ground = tile->cell_class[i] == tile::CellClass::kRoad || tile->cell_class[i] == tile::CellClass::kCurb;
-  if (!is_ground || tile->height[i] == tile::MapTile::kNoHeight) return std::nullopt;
+  if (!is_ground || tile->is_interpolated(i) || tile->height[i] == tile::MapTile::kNoHeight) return std::nullopt;
   return double{tile->z_origin} + kPositionStep * tile->height[i];
 }
 

@@ -178,7 +178,8 @@ const Eigen::Vector2d& rise_of(std::uint8_t axis) {
 
 bool shows_ground(const MapTile& tile, std::size_t cell) {
   const CellClass what = tile.cell_class[cell];
-  return (what == CellClass::kRoad || what == CellClass::kCurb) && tile.height[cell] != MapTile::kNoHeight;
+  if (what != CellClass::kRoad && what != CellClass::kCurb) return false;
+  return !tile.is_interpolated(cell) && tile.height[cell] != MapTile::kNoHeight;
 }
 
 int upright_hits(const MapTile& tile, std::size_t cell) {

@@ -9,6 +9,7 @@
 #include <limits>
 #include <optional>
 
+#include "services/semantic_map/cells/ground_gaps.hpp"
 #include "services/semantic_map/cells/standing.hpp"
 #include "services/semantic_map/tile/vectorised.hpp"
 
@@ -265,6 +266,7 @@ void classify_cells(const tile::Around<CellColumns>& columns, const tile::Around
     }
   }
   mark_curbs(curbs, parameters, tile);
+  interpolate_ground(columns, vehicles, tile);
 }
 
 }  // namespace curbstone::semantic_map::cells

@@ -28,9 +28,13 @@ struct MapTile {
   std::array<CellClass, kCellsInTile> cell_class{};
   std::array<std::int16_t, kCellsInTile> height{};  ///< ground, else lowest point; 2 mm steps from z_origin; kNoHeight
   std::array<std::uint8_t, kCellsInTile> cost{};    ///< 0 free .. 254 lethal, 255 unknown
-  std::array<std::uint8_t, kCellsInTile> confidence{};  ///< 0 .. 255
+  std::array<std::uint8_t, kCellsInTile> confidence{};  ///< 0 .. 255; 0: interpolated, or unknown
   std::array<std::uint8_t, kCellsInTile> hits{};        ///< points of the dense map in the cell; 255: or more
 
+  /// Whether the cell is road because ground was seen on both sides of it, and not in it.
+  [[nodiscard]] bool is_interpolated(std::size_t cell) const {
+    return cell_class[cell] == CellClass::kRoad && confidence[cell] == 0;
+  }
   bool operator==(const MapTile&) const = default;
 };
 

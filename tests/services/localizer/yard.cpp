@@ -73,6 +73,7 @@ std::vector<MapTile> map_of(const Yard& yard) {
         tile.cell_class[cell] = is_curb ? CellClass::kCurb : CellClass::kRoad;
       tile.height[cell] = static_cast<std::int16_t>(std::lround(ground_of(yard, {x, y}) / kPositionStep));
       tile.hits[cell] = 3;
+      tile.confidence[cell] = 96;
     }
   }
   for (const Eigen::Vector2d& p : standing_in(yard)) {

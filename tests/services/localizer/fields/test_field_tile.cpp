@@ -24,6 +24,12 @@ void put_wall(MapTile& tile, std::size_t column, std::size_t row, std::uint8_t h
   tile.hits[row * 25 + column] = hits;
 }
 
+void put_road(MapTile& tile, std::size_t cell, double steps) {
+  tile.cell_class[cell] = CellClass::kRoad;
+  tile.height[cell] = static_cast<std::int16_t>(std::lround(steps));
+  tile.confidence[cell] = 32;
+}
+
 FieldTile field_of(const MapTile& tile) {
   Around<MapTile> around;
   around.set(0, 0, &tile);
@@ -64,12 +70,10 @@ TEST(FieldTile, LeavesOutTheInsideOfAVehiclesOutlineWhichNobodySaw) {
 TEST(FieldTile, TakesHeightsFromTheGroundAloneAndOneCellOfEachNeighbour) {
   MapTile tile = empty_tile(), east = empty_tile();
   tile.z_origin = 2;
-  tile.cell_class[0] = CellClass::kRoad;
-  tile.height[0] = 50;
+  put_road(tile, 0, 50);
   put_wall(tile, 1, 0, 9);
   tile.height[1] = 700;
-  east.cell_class[0] = CellClass::kRoad;
-  east.height[0] = -50;
+  put_road(east, 0, -50);
   Around<MapTile> around;
   around.set(0, 0, &tile);
   around.set(1, 0, &east);
@@ -77,6 +81,13 @@ TEST(FieldTile, TakesHeightsFromTheGroundAloneAndOneCellOfEachNeighbour) {
   EXPECT_NEAR(field.height_of(0, 0), 2.1, 1e-6);
   EXPECT_TRUE(std::isnan(field.height_of(1, 0))) << "under a wall";
   EXPECT_NEAR(field.height_of(25, 0), -0.1, 1e-6);
+}
+
+TEST(FieldTile, AnInterpolatedHeightIsNoMeasurement) {
+  MapTile tile = empty_tile();
+  put_road(tile, 0, 50);
+  tile.confidence[0] = 0;
+  EXPECT_TRUE(std::isnan(field_of(tile).height_of(0, 0)));
 }
 
 /// Ground that is 0.1 m higher beyond a line through the tile's middle, with noise of 1 cm.
@@ -87,9 +98,7 @@ MapTile curb_along(double direction) {
   for (int i = 0; i < semantic_map::tile::kCellsInTile; ++i) {
     const double x = i % 25 - 12.0, y = i / 25 - 12.0;
     const bool is_high = std::cos(direction) * y - std::sin(direction) * x > 0;
-    tile.cell_class[static_cast<std::size_t>(i)] = CellClass::kRoad;
-    tile.height[static_cast<std::size_t>(i)] =
-        static_cast<std::int16_t>(std::lround((is_high ? 50 : 0) + noise(random)));
+    put_road(tile, static_cast<std::size_t>(i), (is_high ? 50 : 0) + noise(random));
   }
   return tile;
 }
@@ -110,8 +119,7 @@ TEST(FieldTile, LevelGroundHasNoEdges) {
   MapTile tile = empty_tile();
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0, 5);
-  tile.cell_class.fill(CellClass::kRoad);
-  for (auto& height : tile.height) height = static_cast<std::int16_t>(std::lround(noise(random)));
+  for (std::size_t i = 0; i < semantic_map::tile::kCellsInTile; ++i) put_road(tile, i, noise(random));
   const FieldTile field = field_of(tile);
   EXPECT_EQ(std::count(field.rise.begin(), field.rise.end(), 0), semantic_map::tile::kCellsInTile);
   EXPECT_TRUE(rise_of(0).isZero());
