@@ -27,6 +27,7 @@
 #include "tools/output/watched_log.hpp"
 #include "tools/recording/recorded_config.hpp"
 #include "tools/replay/new_map.hpp"
+#include "tools/replay/record_clock.hpp"
 #include "tools/replay/vehicle_line.hpp"
 
 namespace curbstone::replay {
@@ -165,12 +166,14 @@ void report(const Summary& summary, const VehicleLine& vehicle, double wall_seco
 bool make_map(const Arguments& arguments, output::WatchedLog& log, const NewMap& map) {
   std::optional<output::NewFile> record;
   std::optional<LogWriter> recorder;
+  RecordClock clock;
   StageLine::Options options{.threads = arguments.threads > 1, .everything = {}};
   if (!arguments.record.empty()) {
     record.emplace(arguments.record, true);
     recorder.emplace(record->part());
     options.everything = [&](const LineItem& message) {
-      recorder->write(message.channel, message.bytes.data(), static_cast<int>(message.bytes.size()));
+      recorder->write(message.channel, message.bytes.data(), static_cast<int>(message.bytes.size()),
+                      clock.time_of(message));
     };
   }
   VehicleLine vehicle(arguments.vehicle, options);

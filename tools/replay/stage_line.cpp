@@ -175,7 +175,10 @@ void StageLine::flush(std::size_t at) {
   std::vector<LineItem> items = std::exchange(places_[at]->out, {});
   if (at + 1 == places_.size()) {
     for (LineItem& item : items) {
-      if (options_.everything && item.kind == LineItem::Kind::kMessage) options_.everything(std::move(item));
+      if (item.kind == LineItem::Kind::kBeat) last_now_ = item.now;
+      if (!options_.everything || item.kind != LineItem::Kind::kMessage) continue;
+      item.now = last_now_;
+      options_.everything(std::move(item));
     }
   } else if (options_.threads) {
     if (!items.empty()) places_[at + 1]->in.push(std::move(items));

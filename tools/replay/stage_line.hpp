@@ -30,8 +30,9 @@ class StageLine {
   static constexpr std::int64_t kLag = 8;  ///< beats
 
   struct Options {
-    bool threads = true;         ///< one thread per group
-    StageGroup::Out everything;  ///< gets every message, also the input, in an order independent of threads
+    bool threads = true;  ///< one thread per group
+    /// Gets every message, also the input, in an order independent of threads; `now`: of the beat before, or 0.
+    StageGroup::Out everything;
   };
   /// All nodes must have been added to the groups.
   StageLine(std::vector<std::unique_ptr<StageGroup>> groups, Options options);
@@ -78,7 +79,8 @@ class StageLine {
   std::vector<std::unique_ptr<Place>> places_;
   std::vector<LineItem> entering_;
   std::int64_t beats_ = 0;
-  std::mutex mutex_;  // of done, back, failed_
+  std::int64_t last_now_ = 0;  // us, of the last beat that left the line
+  std::mutex mutex_;           // of done, back, failed_
   std::condition_variable moved_;
   std::exception_ptr failed_;
 };

@@ -21,7 +21,7 @@ struct LineItem {
   std::string channel;              ///< of a message
   std::vector<std::uint8_t> bytes;  ///< of a message, as encoded
   std::int64_t number = 0;          ///< of a beat, from 0
-  std::int64_t now = 0;             ///< us of message time, of a beat
+  std::int64_t now = 0;             ///< us of message time, of a beat; 0 of a message
   bool ticks = false;               ///< a beat at which message time has gone on; else only the piece became long
 };
 

@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <csignal>
 #include <curbstone/service_config_t.hpp>
 #include <filesystem>
@@ -15,6 +16,7 @@
 
 #include "common/log/log_reader.hpp"
 #include "common/log/log_writer.hpp"
+#include "common/log/message_order.hpp"
 #include "services/semantic_map/store/map_store.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tools/command/run_subcommand.hpp"
@@ -79,9 +81,10 @@ class ReplayOnThreads : public ::testing::Test {
         writer.write(event.channel, event.bytes.data(), static_cast<int>(event.bytes.size()), event.log_utime);
     }
   }
-  [[nodiscard]] std::vector<LogEvent> read_events() const {
+  [[nodiscard]] std::vector<LogEvent> read_events() const { return events_of(log_); }
+  static std::vector<LogEvent> events_of(const std::string& log) {
     std::vector<LogEvent> events;
-    LogReader reader(log_);
+    LogReader reader(log);
     while (auto event = reader.next()) events.push_back(std::move(*event));
     return events;
   }
@@ -114,6 +117,9 @@ TEST_F(ReplayOnThreads, MakesTheSameMapAndSaysTheSameAsInOne) {
   const auto many = replay("4");
   EXPECT_TRUE(one.first == many.first);
   EXPECT_TRUE(one.second == many.second);
+  const std::vector<LogEvent> record = events_of(folder_ / "all1.lcmlog");
+  EXPECT_TRUE(std::ranges::is_sorted(record, {}, &LogEvent::log_utime)) << "whoever plays it would wait";
+  EXPECT_TRUE(std::ranges::any_of(record, [](const LogEvent& event) { return message_time(event) < event.log_utime; }));
 }
 
 TEST_F(ReplayOnThreads, MakesTheSameMapOfADamagedDrive) {
