@@ -43,6 +43,7 @@ void SemanticMapNode::take(const map_pose_t& message) {
   lost_timer_.on_pose(message.utime, is_guess);
   if (is_guess) return;  // a guess is not part of the drive
   if (path_.empty() || (path_.last() - vehicle_).norm() > kPathSpacing) add_to_path(message.utime, vehicle_);
+  add_to_driven(T_map_base);
   keeper_.put(tile::TrajectoryPose{message.utime, message.revolution, T_map_base});
   drive_.add(message.utime);
 }
@@ -63,6 +64,7 @@ void SemanticMapNode::take(const map_trajectory_t& message) {
     }
     begin_drive(utime);
     add_to_path(utime, T_map_base.translation().head<2>());
+    add_to_driven(T_map_base);
     keeper_.put(tile::TrajectoryPose{utime, message.revolutions[i], T_map_base});
     drive_.add(utime);
   }
@@ -82,6 +84,7 @@ void SemanticMapNode::take_again(const map_trajectory_t& message) {
     if (!drive_.add(utime)) continue;
     counters_.add("poses_again");
     add_to_path(utime, T_map_base.translation().head<2>());
+    add_to_driven(T_map_base);
     keeper_.put(tile::TrajectoryPose{utime, message.revolutions[i], T_map_base});
   }
 }
@@ -89,6 +92,10 @@ void SemanticMapNode::take_again(const map_trajectory_t& message) {
 void SemanticMapNode::add_to_path(std::int64_t utime, const Eigen::Vector2d& place) {
   path_.add(utime, place);
   if (keeper_.keeps()) linker_.add_place(utime, place);
+}
+
+void SemanticMapNode::add_to_driven(const Pose& T_map_base) {
+  for (const auto& [key, cells] : cells::cells_beneath(T_map_base, config_.vehicle)) pipeline_.add_driven(key, cells);
 }
 
 void SemanticMapNode::begin_drive(std::int64_t utime) {

@@ -73,6 +73,7 @@ class SemanticMapNode final : public Node {
   /// Takes poses that were lost and sent again.
   void take_again(const map_trajectory_t& message);
   void begin_drive(std::int64_t utime);
+  void add_to_driven(const Pose& T_map_base);
   void add_to_path(std::int64_t utime, const Eigen::Vector2d& place);
   void send_requests(std::int64_t now);
   void request_lost_tiles();

@@ -118,8 +118,21 @@ void TilePipeline::voted_changed(TileKey key, Tile& tile, bool is_new, bool has_
   mark(kPaint, key, tile);
 }
 
+void TilePipeline::add_driven(TileKey key, const cells::CellBits& driven) {
+  cells::CellBits& known = driven_[key];
+  const cells::CellBits added = driven & ~known;
+  if (added.none()) return;
+  known |= added;
+  Tile* const tile = find(key);
+  if (tile == nullptr || !tile->classes) return;
+  for (std::size_t i = added._Find_first(); i < added.size(); i = added._Find_next(i)) {
+    if (tile->classes->cell_class[i] == tile::CellClass::kUnknown) return mark(kClasses, key, *tile);
+  }
+}
+
 void TilePipeline::clear() {
   tiles_.clear();
+  driven_.clear();
   changed_.clear();
   lost_.clear();
   uses_.clear();
@@ -180,9 +193,14 @@ tile::MapTile TilePipeline::classify(TileKey key, const Tile& tile, cells::Vehic
   result.curbs_utime = tile.curbs_utime;
   result.z_origin = tile.layers->voted.z_origin;
   const auto columns = around<cells::CellColumns>(key, [](Tile& t) { return &t.layers->columns; });
+  const cells::VehicleCells outlines =
+      vehicles != nullptr ? vehicles->find(key, columns) : cells::find_vehicles(columns);
   cells::classify_cells(columns, around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return t.curbs.get(); }),
-                        vehicles != nullptr ? vehicles->find(key, columns) : cells::find_vehicles(columns), classes_,
-                        result);
+                        outlines, classes_, result);
+  if (const auto driven = driven_.find(key); driven != driven_.end()) {
+    const ground::GroundSurface ground(around<ground::GroundModel>(key, [](Tile& t) { return &t.ground; }));
+    cells::add_driven_road(*columns.centre(), driven->second, outlines, ground, result);
+  }
   return result;
 }
 
@@ -202,7 +220,8 @@ void TilePipeline::take(TileKey key, Tile& tile, const ground::GroundModel& grou
   mark_around(kEvidence, key);
   mark_around(kColumns, key);
   mark_around(kPaint, key);
-  for_around(key, [&](TileKey k, Tile&) {
+  for_around(key, [&](TileKey k, Tile& t) {
+    if (driven_.contains(k)) mark(kClasses, k, t);
     if (const auto found = accumulators_.find(k); found != accumulators_.end()) found->second.ground_moved = true;
   });
 }

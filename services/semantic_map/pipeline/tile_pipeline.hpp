@@ -14,6 +14,7 @@
 
 #include "common/tiles/lru_order.hpp"
 #include "services/semantic_map/cells/cell_classes.hpp"
+#include "services/semantic_map/cells/driven_cells.hpp"
 #include "services/semantic_map/curbs/curb_evidence.hpp"
 #include "services/semantic_map/curbs/curb_filter.hpp"
 #include "services/semantic_map/ground/ground_model.hpp"
@@ -33,8 +34,8 @@ namespace curbstone::semantic_map::pipeline {
 /// Each step of a tile is a pure function of earlier steps of the tile and of its eight neighbours (compute()). A step
 /// is stale when one of its inputs has changed since it was computed. If its result is equal to the one before, nothing
 /// else becomes stale. A tile can be updated early, from the present results of its neighbours. Once everything is
-/// settled, the map is a function of the voted points alone: it depends neither on their order nor on the order of
-/// work.
+/// settled, the map is a function of the voted points and the driven cells alone: it depends neither on their order nor
+/// on the order of work.
 ///
 /// A tile sleeps (layers::SleepingLayers), in a file if there is one, if no step has read it for kAwake (see
 /// set_time()). A step wakes the tiles that it reads. A tile that was woken for kOldestStep alone sleeps again after
@@ -50,6 +51,8 @@ class TilePipeline {
   std::optional<VotedChange> apply(const tile::VotedStep& step);
   /// Replaces a whole tile. `has_grown`: its points begin with those of the earlier one; their tensors may differ.
   void set_voted(tile::VotedTile voted, bool has_grown = false);
+  /// The vehicle drove over these cells of a tile, which may not exist yet.
+  void add_driven(TileKey key, const cells::CellBits& driven);
   /// Discards everything: another epoch begins.
   void clear();
   /// The time by which tiles fall asleep, us, of any clock. If it is never set, no tile sleeps. To be called as time
@@ -155,6 +158,7 @@ class TilePipeline {
   cells::ClassParameters classes_;
   markings::MarkingParameters markings_;
   std::unordered_map<TileKey, Tile, TileKeyHash> tiles_;
+  std::unordered_map<TileKey, cells::CellBits, TileKeyHash> driven_;
   std::array<std::map<std::int64_t, TileKey>, kNumSteps> stale_;  ///< by turn, the oldest first
   std::int64_t turn_ = kFresh;
   /// Column statistics of a tile that grows, so that only its new points are added.

@@ -31,7 +31,7 @@ struct MapTile {
   std::array<std::uint8_t, kCellsInTile> confidence{};  ///< 0 .. 255; 0: interpolated, or unknown
   std::array<std::uint8_t, kCellsInTile> hits{};        ///< points of the dense map in the cell; 255: or more
 
-  /// Whether the cell is road because ground was seen on both sides of it, and not in it.
+  /// Whether the cell is road though nothing was seen in it: ground was seen on both sides, or the vehicle drove there.
   [[nodiscard]] bool is_interpolated(std::size_t cell) const {
     return cell_class[cell] == CellClass::kRoad && confidence[cell] == 0;
   }
