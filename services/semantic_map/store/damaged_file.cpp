@@ -36,8 +36,11 @@ std::string set_damaged_aside(const std::string& path) {
   return aside;
 }
 
-std::string set_replacement_aside(const std::string& path) {
-  return set_aside(path, "replaced");
+std::string set_replacement_aside(const std::string& path, bool with_journal) {
+  std::string aside = set_aside(path, "replaced");
+  std::error_code error;
+  if (with_journal) std::filesystem::rename(path + "-wal", aside + "-wal", error);
+  return aside;
 }
 
 }  // namespace curbstone::semantic_map::store

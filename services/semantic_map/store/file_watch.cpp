@@ -20,8 +20,12 @@ void FileWatch::remember() {
   for (std::size_t i = 0; i < kParts.size(); ++i) seen_[i] = look(path_ + kParts[i]);
 }
 
+bool FileWatch::journal_is_replaced() const {
+  const auto there = look(path_ + "-wal");
+  return there && !(seen_[1] && is_same(*there, *seen_[1]));
+}
+
 FileWatch::Change FileWatch::change() const {
-  const auto is_same = [](const Seen& a, const Seen& b) { return a.inode == b.inode && a.device == b.device; };
   const auto there = look(path_);
   if (!there) return Change::kDeleted;
   if (seen_[0] && !is_same(*there, *seen_[0])) return Change::kReplaced;

@@ -26,6 +26,8 @@ class FileWatch {
   void remember();
   /// What has happened since.
   [[nodiscard]] Change change() const;
+  /// Whether another -wal has the name of this file's.
+  [[nodiscard]] bool journal_is_replaced() const;
 
  private:
   struct Seen {
@@ -34,6 +36,7 @@ class FileWatch {
     off_t size;
     timespec written;
   };
+  [[nodiscard]] static bool is_same(const Seen& a, const Seen& b) { return a.inode == b.inode && a.device == b.device; }
   [[nodiscard]] static std::optional<Seen> look(const std::string& path);
 
   std::string path_;

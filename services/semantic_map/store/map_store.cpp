@@ -204,7 +204,7 @@ void MapStore::heed_others() {
       return;
     }
     case FileWatch::Change::kWritten:
-      if (is_still_this_map()) return;
+      if (is_still_this_map()) return watch_.remember();
       sqlite3_db_config(db_->getHandle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);  // it stays as it is
       throw DamagedMapFile(fmt::format("{}: somebody else wrote to it", path_));
   }
@@ -213,7 +213,7 @@ void MapStore::heed_others() {
 /// Throws if another process writes it.
 std::string MapStore::set_replacement_aside_unless_in_use() const {
   if (!std::filesystem::is_directory(path_)) const Lock unused(path_);
-  return set_replacement_aside(path_);
+  return set_replacement_aside(path_, watch_.journal_is_replaced());
 }
 
 /// Somebody may have touched the file, or told SQLite to tidy it. Read by another connection: that of the writer has
@@ -236,9 +236,13 @@ void MapStore::restore() {
   if (!folder.empty()) std::filesystem::create_directories(folder, ignored);
   const std::string restored = path_ + ".restored";
   copy_to(restored);
+  std::error_code error;
+  std::filesystem::rename(restored, path_, error);
+  if (error) throw MapStoreError(fmt::format("{}: {}", path_, error.message()));
+  auto lock = std::make_unique<Lock>(path_);
   db_.reset();  // takes -wal and -shm of that name with it
-  std::filesystem::rename(restored, path_, ignored);
-  lock_ = std::make_unique<Lock>(path_);
+  lock_ = std::move(lock);
+  watch_.remember();
   open();
 }
 

@@ -53,6 +53,25 @@ TEST_F(MapStoreOthersTest, AFileThatWasPutInItsPlaceIsKeptBesideIt) {
   EXPECT_EQ(MapReader(path_).trajectory().size(), 2U);
 }
 
+/// `mv` of all files of a map that has not ended.
+TEST_F(MapStoreOthersTest, AFileThatWasPutInItsPlaceKeepsItsJournal) {
+  const fs::path other = folder_ / "other.db";
+  {
+    MapStore map(other);
+    map.write({.epoch = 9, .tiles = {tile(7, 7)}, .trajectory = {pose(9'000'000)}});
+    for (const char* part : {"", "-wal"})
+      fs::copy_file(other.string() + part, folder_ / ("killed.db" + std::string(part)));
+  }
+  for (const char* part : {"", "-wal"}) fs::rename(folder_ / ("killed.db" + std::string(part)), path_.string() + part);
+  fs::remove(other);
+  write_another();
+  EXPECT_EQ(MapReader(path_).tiles().size(), 2U);
+  std::string aside;
+  for (const std::string& name : beside()) aside = name.ends_with(".db") ? name : aside;
+  EXPECT_EQ(MapReader(folder_ / aside).tiles().size(), 1U);
+  EXPECT_EQ(MapReader(folder_ / aside).epoch(), 9);
+}
+
 TEST_F(MapStoreOthersTest, AFolderThatWasPutInItsPlaceIsKeptBesideIt) {
   fs::remove(path_);
   fs::create_directory(path_);
