@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <curbstone/service_config_t.hpp>
 #include <fstream>
+#include <memory>
+#include <stdexcept>
 #include <utility>
 
 #include "common/bus/lcm_bus.hpp"
@@ -164,12 +166,24 @@ int run_service(int argc, char** argv, const ServiceOptions& options, AnyConfig&
     fmt::print(stderr, "{}: {}\n", section, error.what());
     return 2;
   }
+  const auto wrong_config = [&](const std::exception& error) {
+    fmt::print(stderr, "{}: {}{}\n", section, file.empty() ? "" : file + ": ", error.what());
+    return 2;
+  };
   try {
     if (nice != 0) set_niceness(nice);
-    Process process(config_message(name, section, config), url, config_hash(section, config), options, make);
-    process.run();
+    std::unique_ptr<Process> process;
+    try {
+      process = std::make_unique<Process>(config_message(name, section, config), url, config_hash(section, config),
+                                          options, make);
+    } catch (const ConfigError& error) {
+      return wrong_config(error);
+    } catch (const std::invalid_argument& error) {
+      return wrong_config(error);
+    }
+    process->run();
     if (nice != 0) set_niceness(0);  // the remaining work must end before the deputy's time-out
-    process.finish();
+    process->finish();
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}: {}\n", section, error.what());
     return 1;

@@ -38,7 +38,7 @@ struct ServiceOptions {
 /// and whenever a fault begins or ends, and calls Node::finish() at the end. Returns the exit status: 0 clean, 1 the
 /// environment failed (one clear line on stderr), 2 wrong usage or configuration.
 ///
-/// `make` builds the node from the loaded configuration. It may throw std::runtime_error with one clear line.
+/// `make` builds the node. It may throw one clear line; ConfigError and std::invalid_argument are wrong settings.
 int run_service(int argc, char** argv, const ServiceOptions& options, AnyConfig& config,
                 const std::function<std::unique_ptr<Node>(ServiceContext&)>& make);
 

@@ -40,7 +40,7 @@ std::optional<signals::WheelSignals> signals_of(const EncoderConfig& config) {
         throw std::runtime_error("counts have no factor and no offset: set counts_per_revolution");
       return signal;
     } catch (const std::runtime_error& error) {
-      throw std::runtime_error(fmt::format("encoder.signals.{}: {}", key, error.what()));
+      throw ConfigError(fmt::format("encoder.signals.{}: {}", key, error.what()));
     }
   };
   const auto left = parse("left", config.signals.left);
@@ -49,15 +49,15 @@ std::optional<signals::WheelSignals> signals_of(const EncoderConfig& config) {
   for (const auto& [key, signal, text] :
        {std::tuple{"left", &left, &config.signals.left}, std::tuple{"right", &right, &config.signals.right}}) {
     if (config.signals.kind == SignalKind::kCounts && most >= signal->half_range()) {
-      throw std::runtime_error(
+      throw ConfigError(
           fmt::format("encoder.signals.{}: \"{}\": a wheel at max_speed makes {:.0f} counts in a period, which {} bits "
                       "cannot tell from the way back: set max_speed to that of the vehicle",
                       key, *text, most, signal->length));
     }
   }
   if (left.overlaps(right)) {
-    throw std::runtime_error(fmt::format("encoder.signals.right: \"{}\": it has bits of encoder.signals.left, \"{}\"",
-                                         config.signals.right, config.signals.left));
+    throw ConfigError(fmt::format("encoder.signals.right: \"{}\": it has bits of encoder.signals.left, \"{}\"",
+                                  config.signals.right, config.signals.left));
   }
   return signals::WheelSignals(left, right);
 }

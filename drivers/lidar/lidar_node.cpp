@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <spdlog/spdlog.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -117,8 +116,8 @@ bool LidarNode::find_model(std::int64_t received, std::span<const std::uint8_t> 
     source_fault_ = error.what();  // the angles are those of another device
     return false;
   }
-  spdlog::info("model: auto: {} packets in a row are those of {}: it is {}", models::ModelVote::kAgreeing,
-               models::title_of(vote_.leading()), model_->table().name);
+  print(fmt::format("model: auto: {} packets in a row are those of {}: it is {}", models::ModelVote::kAgreeing,
+                    models::title_of(vote_.leading()), model_->table().name));
   for (const EarlyInfo& info : early_info_) {
     if (model_->kind_of(models::sender_of(info.bytes)) == models::PacketKind::kInfo)
       (void)model_->read_info(info.received, info.bytes);
@@ -147,7 +146,7 @@ Refusal LidarNode::on_info(std::int64_t received, std::span<const std::uint8_t> 
   health_.info_packet_used();
   if (const models::Identity& identity = model_->facts().identity; identity != identity_) {
     identity_ = identity;
-    spdlog::info("{}: {}", model_->table().title, to_text(identity));
+    print(fmt::format("{}: {}", model_->table().title, to_text(identity)));
   }
   return Refusal::kNone;
 }

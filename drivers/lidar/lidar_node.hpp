@@ -3,11 +3,13 @@
 #include <curbstone/lidar_points_t.hpp>
 #include <curbstone/raw_packet_t.hpp>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/bus/node.hpp"
@@ -36,6 +38,13 @@ class LidarNode final : public Node {
  public:
   /// Throws std::runtime_error with a one-line message if the configuration does not fit the model.
   LidarNode(const LidarConfig& config, Publisher& bus, HostClockCheck host_clock = kernel_clock_is_synchronised);
+
+  /// Where lines for the process's log go. Without it there are none, as in tools that print their own.
+  using Print = std::function<void(const std::string& line)>;
+  void print_to(Print print) { print_ = std::move(print); }
+  void print(const std::string& line) const {
+    if (print_) print_(line);
+  }
 
   void connect(Subscriber& bus) override;
 
@@ -98,6 +107,7 @@ class LidarNode final : public Node {
   Publisher& bus_;
   RecentMessages<SentPacket> sent_;
   HostClockCheck host_clock_;
+  Print print_;
   models::ModelSettings settings_;
   models::ModelVote vote_;
   std::deque<EarlyInfo> early_info_;

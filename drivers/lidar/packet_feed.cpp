@@ -1,6 +1,6 @@
 #include "drivers/lidar/packet_feed.hpp"
 
-#include <spdlog/spdlog.h>
+#include <fmt/format.h>
 
 #include <set>
 
@@ -42,14 +42,14 @@ class NetworkFeed final : public PacketFeed {
       for (const int port : ports_) sources_.push_back(std::make_unique<sources::UdpSource>(port, options_));
     } catch (const sources::PortUnavailable& unavailable) {
       sources_.clear();
-      if (!tried_) spdlog::warn("{}; it is tried again until it can be opened", unavailable.what());
+      if (!tried_) node_.print(fmt::format("{}; it is tried again until it can be opened", unavailable.what()));
       tried_ = true;
       node_.set_source_fault(unavailable.what());
       retry_.failed(steady_clock());
       return;
     }
     open_ = true;
-    if (tried_) spdlog::info("the port is open: listening");
+    if (tried_) node_.print("the port is open: listening");
     node_.set_source_fault("");
     for (const auto& source : sources_) {
       node_.set_receive_buffer(options_.receive_buffer, source->receive_buffer());
@@ -113,7 +113,7 @@ class CaptureFeed final : public PacketFeed {
     }
     count_refused(capture_, node_);
     if (packet) return;
-    if (!ended_) spdlog::info("{}: end of the capture after {} packets", file_, count_);
+    if (!ended_) node_.print(fmt::format("{}: end of the capture after {} packets", file_, count_));
     ended_ = true;
     loop_.stop();
   }

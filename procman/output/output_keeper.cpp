@@ -3,6 +3,8 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
@@ -36,6 +38,14 @@ bool is_of_the_disk(int error) {
   return error == ENOSPC || error == EDQUOT || error == EROFS || error == EIO;
 }
 
+/// Somebody may have deleted an open file, or given its name to another one, as logrotate does.
+bool has_its_name(std::FILE* file, const std::string& path) {
+  struct stat ours {
+  }, there{};
+  return fstat(fileno(file), &ours) == 0 && stat(path.c_str(), &there) == 0 && ours.st_ino == there.st_ino &&
+         ours.st_dev == there.st_dev;
+}
+
 }  // namespace
 
 OutputKeeper::OutputKeeper(std::string folder, KeepLimits limits, std::function<std::int64_t()> clock)
@@ -64,6 +74,8 @@ OutputKeeper::Kept& OutputKeeper::of(const std::string& id) {
 }
 
 void OutputKeeper::open(Kept& kept) const {
+  std::error_code ignored;  // fopen() reports it
+  std::filesystem::create_directories(folder_, ignored);
   kept.file.reset(std::fopen(kept.path.c_str(), "ae"));
   kept.failure = kept.file ? "" : std::strerror(errno);
   std::error_code error;
@@ -86,7 +98,7 @@ void OutputKeeper::write(Kept& kept, std::string_view text) {
   if (kept.path.empty()) return;
   const std::string line = fmt::format("{} {}", utc(clock_()), text);
   if (kept.file_size + line.size() + 1 > limits_.file_bytes && kept.file_size > 0) rotate(kept);
-  if (!kept.file) open(kept);
+  if (!kept.file || !has_its_name(kept.file.get(), kept.path)) open(kept);
   const bool written = kept.file && std::fwrite(line.data(), 1, line.size(), kept.file.get()) == line.size() &&
                        std::fputc('\n', kept.file.get()) != EOF && std::fflush(kept.file.get()) == 0;
   if (kept.file) kept.failure = written ? "" : std::strerror(errno);

@@ -26,7 +26,7 @@ struct KeepLimits {
 /// Keeps the last lines of each command in memory. With a folder it also writes all output to a bounded, rotated log
 /// file per command, with the UTC time at the beginning of each line, "2026-11-23T08:15:02.250Z ". If the disk is full
 /// or gone only the files are affected: lines that could not be written are counted, and reported as a fault while it
-/// lasts.
+/// lasts. A file that was deleted or renamed meanwhile is begun again.
 class OutputKeeper {
  public:
   /// `folder` empty: memory only. Creates the folder; throws std::runtime_error with a one-line message if it cannot,

@@ -21,6 +21,7 @@ constexpr std::int64_t kWritePeriod = 1'000'000;
 constexpr std::int64_t kStoreLinesPeriod = 5'000'000;  // all lines each time
 constexpr std::int64_t kStoreLinesShare = 20;          // at most a twentieth of a core, however large the map is
 constexpr std::int64_t kRequestPeriod = 100'000;
+constexpr int kStoredAgainAtOnce = 5000;    // tiles, with each transaction
 constexpr int kShownAtOnce = 32;            // tiles, about 10 ms: then new messages are taken
 constexpr QueueLimit kVotedQueue = {3000};  // two seconds of messages, 20 MB: a process short of CPU catches up
 constexpr std::size_t kAnswersPerTick = 4;
@@ -94,6 +95,7 @@ void SemanticMapNode::enter_epoch(std::int32_t epoch) {
   pipeline_.clear();
   schedule_.clear();
   unsent_.clear();
+  unstored_.clear();
   published_.clear();
   revisions_.clear();
   path_.clear();
@@ -293,7 +295,20 @@ void SemanticMapNode::publish_markings(std::int64_t now) {
   bus_.publish("MARKINGS", message);
 }
 
+/// The map file was lost in mid-drive, and another has been begun. The tiles are put into it some at a time, since a
+/// failing disk may let only so many wait; the poses come again from the mapper.
+void SemanticMapNode::store_again() {
+  if (keeper_.take_lost()) {
+    for (const auto& [key, published] : published_) unstored_.insert(key);
+    drive_.start_epoch(epoch_);
+    lines_unstored_ = true;
+  }
+  for (int i = 0; i < kStoredAgainAtOnce && !unstored_.empty() && !keeper_.failing(); ++i)
+    keeper_.put(*published_.at(unstored_.extract(unstored_.begin()).value()).tile);
+}
+
 void SemanticMapNode::store(std::int64_t now) {
+  store_again();
   // The writing thread may be linking lines, and the linker must not run twice at a time.
   if (lines_unstored_ && keeper_.keeps() && !keeper_.busy() &&
       has_passed(std::max(kStoreLinesPeriod, kStoreLinesShare * keeper_.linking_took()), last_lines_stored_, now)) {

@@ -98,6 +98,7 @@ class SemanticMapNode final : public Node {
   void publish_curbs(std::int64_t now);
   void publish_markings(std::int64_t now);
   void store(std::int64_t now);
+  void store_again();
   void draw_picture(const tile::MapLines& lines);
 
   SemanticMapConfig config_;
@@ -137,6 +138,7 @@ class SemanticMapNode final : public Node {
   bool markings_changed_ = false;
   Eigen::Vector2d markings_from_ = Eigen::Vector2d::Zero();  ///< position of the vehicle at the last MARKINGS
   std::int64_t last_markings_ = 0;
+  std::set<TileKey> unstored_;  // must be stored once more, as the map file was lost
   bool lines_unstored_ = false;
   std::int64_t last_lines_stored_ = 0;
   std::int64_t last_index_ = 0;

@@ -12,10 +12,10 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// One line that names what is wrong, exit status 1: the environment is not as the config says.
-void expect_refused(const std::string& command, const std::string& says) {
+/// One line that names what is wrong. Exit status 1: the environment is not as the config says.
+void expect_refused(const std::string& command, const std::string& says, int exit_status = 1) {
   const auto result = run_program(command);
-  EXPECT_EQ(result.exit_status, 1) << command << "\n" << result.err;
+  EXPECT_EQ(result.exit_status, exit_status) << command << "\n" << result.err;
   EXPECT_THAT(result.err, HasSubstr(says)) << command;
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
 }
@@ -33,8 +33,16 @@ TEST(BadStarts, ANameThatIsNoCanInterfaces) {  // one that is not there is waite
   expect_refused("curbstone-encoder --set interface=socketcan --set device=/dev/ttyACM0", "/dev/ttyACM0");
 }
 
-TEST(BadStarts, AModbusGatewayThatIsNoAddress) {
-  expect_refused("curbstone-encoder --set interface=modbus_tcp --set modbus.host=gateway", "encoder.modbus.host");
+/// No waiting mends it, so the deputy must not start them again: exit status 2.
+TEST(BadStarts, WhatIsNoAddressIsAWrongConfiguration) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder / "ugv.yaml";
+  write_file(file, "lidar: {host_address: eth0}\nviewer: {address: localhost}\nrelay: {peers: second}\n");
+  expect_refused("curbstone-lidar --config " + file, "lidar: " + file + ": host_address: 'eth0' is no IPv4", 2);
+  expect_refused("curbstone-viewer --config " + file, "viewer.address: 'localhost' is no address", 2);
+  expect_refused("curbstone-relay --config " + file, "relay.peers: second is no IPv4 address", 2);
+  expect_refused("curbstone-encoder --set interface=modbus_tcp --set modbus.host=gateway",
+                 "encoder.modbus.host: 'gateway' is no IPv4", 2);
 }
 
 TEST(BadStarts, AMapThatIsNone) {  // one whose folder is not there is waited for: tests/services/semantic_map/store

@@ -64,5 +64,19 @@ TEST(DeputyOutput, TheVehicleDoesNotWaitForWhoReadsIt) {
   EXPECT_EQ(read_file(folder / "status"), "0\n") << "124: it was still waiting for its reader";
 }
 
+/// The deputy gives each command a terminal, and keeps what it prints in files.
+TEST(DeputyOutput, OfTheLidarHasItsNameAndNoColours) {
+  const test::TemporaryFolder folder;
+  write_file(
+      folder / "test.cfg",
+      "cmd \"lidar\" { exec = \"timeout 2 curbstone-lidar --set host_address=203.0.113.1\"; deputy = \"d\"; }\n");
+  run_program(fmt::format("curbstone-deputy --start-all --exit-when lidar --log-dir {0} --config {0}/test.cfg",
+                          folder.path().string()));
+  const std::string log = read_file(folder / "lidar.log");
+  EXPECT_THAT(log, HasSubstr("it is tried again until it can be opened")) << "the address is of no interface";
+  EXPECT_THAT(log, ::testing::Not(HasSubstr("\x1b")));
+  EXPECT_THAT(log, ::testing::Not(HasSubstr("[")));
+}
+
 }  // namespace
 }  // namespace curbstone::system_test

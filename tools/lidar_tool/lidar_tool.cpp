@@ -1,7 +1,6 @@
 #include "tools/lidar_tool/lidar_tool.hpp"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <cstdio>
 #include <fstream>
@@ -109,7 +108,6 @@ int run_lidar(int argc, char** argv) {
   if (const auto status = line.read(argc, argv)) return *status;
   seconds_given = line.given("--seconds");
   if (options.what == "watch" && !seconds_given) options.listen.seconds = 1e9;
-  spdlog::set_level(spdlog::level::err);  // the driver's node would repeat this command's messages
   if (options.what == "info") {
     const auto packets = packets_from(options.where, options.listen);
     fmt::print("{}", info_text(*packets, options.where));

@@ -29,9 +29,9 @@ constexpr std::array<int, 5> kBauds = {9600, 19200, 38400, 57600, 115200};  // s
 void check(const ModbusSettings& settings) {
   in_addr address{};
   if (settings.tcp && inet_pton(AF_INET, settings.host.c_str(), &address) != 1)
-    throw std::runtime_error(fmt::format("encoder.modbus.host: {}: not an IPv4 address", settings.host));
+    throw std::invalid_argument(fmt::format("encoder.modbus.host: '{}' is no IPv4 address", settings.host));
   if (!settings.tcp && std::ranges::find(kBauds, settings.baud) == kBauds.end())
-    throw std::runtime_error(
+    throw std::invalid_argument(
         fmt::format("encoder.baud: {}: for Modbus use {}", settings.baud, fmt::join(kBauds, ", ")));
 }
 

@@ -10,7 +10,7 @@ namespace curbstone::lidar::sources {
 Ipv4 parse_ipv4(const std::string& text, const char* key) {
   in_addr address{};
   if (inet_pton(AF_INET, text.c_str(), &address) != 1)
-    throw std::runtime_error(fmt::format("{}: '{}' is no IPv4 address", key, text));
+    throw std::invalid_argument(fmt::format("{}: '{}' is no IPv4 address", key, text));
   return ntohl(address.s_addr);
 }
 

@@ -34,17 +34,27 @@ void inflate_over_gap(model::Belief& belief, double gap, const base::StartConfig
   widen(belief, model::kAttitude, config.moving_tilt_sigma);
 }
 
-void extrapolate_over_restart(model::Belief& belief, double gap) {
-  constexpr double kAcceleration = 3.0;  // m/s^2
-  constexpr double kTilting = 0.02;      // rad/s
-  constexpr double kTurning = 0.5;       // rad/s, about the vertical: no measurement corrects it
-  belief.mean.position += belief.mean.attitude * belief.mean.velocity * gap;
+/// A heading that is much less certain than roll and pitch is not inflated for nothing: as soon as roll and pitch are
+/// corrected, its axis is not quite the one of the covariance, and the next correction of a thousandth of a radian
+/// turns it by degrees.
+void extrapolate_over_restart(model::Belief& belief, double gap, std::optional<double> turn_rate) {
+  constexpr double kAcceleration = 3.0;      // m/s^2
+  constexpr double kTilting = 0.02;          // rad/s
+  constexpr double kTurning = 0.5;           // rad/s, about the vertical: no measurement corrects it
+  constexpr double kTurnAcceleration = 0.5;  // rad/s^2
+  const auto turned_by = [](double angle) {
+    return Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()));
+  };
+  const double rate = turn_rate.value_or(0.0);
+  const double heading_sigma = turn_rate ? 0.5 * kTurnAcceleration * gap * gap : kTurning * gap;
+  belief.mean.position += turned_by(0.5 * rate * gap) * (belief.mean.attitude * belief.mean.velocity) * gap;
+  belief.mean.attitude = turned_by(rate * gap) * belief.mean.attitude;
   const Eigen::Vector3d yaw_axis = belief.mean.attitude.conjugate() * Eigen::Vector3d::UnitZ();
-  widen(belief, model::kPosition, 0.5 * kAcceleration * gap * gap + kTurning * gap * belief.mean.velocity.norm() * gap);
+  widen(belief, model::kPosition, 0.5 * kAcceleration * gap * gap + heading_sigma * belief.mean.velocity.norm() * gap);
   widen(belief, model::kVelocity, kAcceleration * gap);
   widen(belief, model::kAttitude, kTilting * gap);
   belief.covariance.block<3, 3>(model::kAttitude, model::kAttitude) +=
-      kTurning * kTurning * gap * gap * yaw_axis * yaw_axis.transpose();
+      heading_sigma * heading_sigma * yaw_axis * yaw_axis.transpose();
 }
 
 void inflate_after_standstill(model::Belief& belief, double travel, double track_width) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "services/ekf/base/ekf_config.hpp"
 #include "services/ekf/model/error_state.hpp"
 #include "services/ekf/model/estimate.hpp"
@@ -15,8 +17,9 @@ void inflate_motion_covariance(model::Belief& belief, double speed_sigma, const 
 /// After the stamps jumped by `gap` s: the motion in the meantime is unknown.
 void inflate_over_gap(model::Belief& belief, double gap, const base::StartConfig& config);
 /// For a process that continues from the belief of a killed one, `gap` s old. Assumes a road vehicle: 3 m/s^2, 1 deg/s
-/// of roll and pitch. The sensors' calibration keeps its covariance. The belief is moved on with its own velocity.
-void extrapolate_over_restart(model::Belief& belief, double gap);
+/// of roll and pitch. The sensors' calibration keeps its covariance. The belief is moved on with its own velocity, and
+/// turned by `turn_rate`, rad/s about the vertical, if that is known.
+void extrapolate_over_restart(model::Belief& belief, double gap, std::optional<double> turn_rate);
 /// Before the wheels' travel was noticed the vehicle may have moved and turned a little: each wheel by up to `travel`
 /// m, evenly distributed.
 void inflate_after_standstill(model::Belief& belief, double travel, double track_width);

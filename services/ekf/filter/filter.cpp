@@ -117,7 +117,10 @@ bool Filter::continue_from_predecessor(const base::ImuSample& sample) {
     counters_.add("starts.not_inherited");
     return false;
   }
-  continue_from(*predecessor, sample.utime);
+  std::optional<double> turn_rate;
+  if (sample.stuck == std::array<bool, 3>{})
+    turn_rate = (geometry_.R_base_imu * sample.angular_rate - predecessor->mean.gyro_bias).dot(up.normalized());
+  continue_from(*predecessor, sample.utime, turn_rate);
   return true;
 }
 
@@ -130,14 +133,16 @@ bool Filter::continue_from_predecessor(const base::WheelSample& sample) {
     counters_.add("starts.not_inherited");
     return false;
   }
-  continue_from(predecessor, sample.utime);
+  continue_from(predecessor, sample.utime, std::nullopt);
   return true;
 }
 
-void Filter::continue_from(const model::Belief& predecessor, std::int64_t utime) {
+/// A vehicle in a bend goes on turning while no process runs; the first sample's rate is that of some tenths of a
+/// second before.
+void Filter::continue_from(const model::Belief& predecessor, std::int64_t utime, std::optional<double> turn_rate) {
   counters_.add("starts.inherited");
   belief_ = predecessor;
-  extrapolate_over_restart(belief_, base::seconds_between(predecessor.utime, utime));
+  extrapolate_over_restart(belief_, base::seconds_between(predecessor.utime, utime), turn_rate);
   belief_.utime = utime;
   last_good_ = belief_;
   started_ = true;

@@ -100,7 +100,7 @@ class Filter {
   void begin(const model::Belief& first, double imu_turn);
   [[nodiscard]] bool continue_from_predecessor(const base::ImuSample& sample);
   [[nodiscard]] bool continue_from_predecessor(const base::WheelSample& sample);
-  void continue_from(const model::Belief& predecessor, std::int64_t utime);
+  void continue_from(const model::Belief& predecessor, std::int64_t utime, std::optional<double> turn_rate);
   void restart_clock(std::int64_t utime);
   void update_stuck_axes();
   void turn_imu(double to);

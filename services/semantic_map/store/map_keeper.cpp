@@ -205,10 +205,7 @@ void MapKeeper::await_writing() {
   if (!writing_.valid()) return;
   const std::string error = writing_.get();
   if (under_way_.linking_took > 0) linking_took_ = under_way_.linking_took;
-  if (store_ && store_->num_restored() > counters_["store.restored"]) {
-    counters_.set("store.restored", store_->num_restored());
-    restored_utime_ = newest_utime_;
-  }
+  heed_restored();
   if (error.empty()) {
     counters_.add("store.transactions");
     counters_.add("store.tiles", static_cast<std::int64_t>(under_way_.tiles.size()));
@@ -216,21 +213,43 @@ void MapKeeper::await_writing() {
   } else {
     note_error(error);
     take_back();
-    if (std::exchange(is_damaged_, false) && pending_.clear) leave_damaged();
+    if (std::exchange(is_damaged_, false)) leave_damaged();
   }
   under_way_ = {};
 }
 
-/// The earlier drive cannot be moved aside, as its file is damaged: the file itself is. Nothing of this drive is in it.
+/// Either the file of an earlier drive, which therefore cannot be moved aside: the file itself is, and nothing of this
+/// drive is in it. Or the file of this drive, of which another must be made.
 void MapKeeper::leave_damaged() {
   if (unusable_ == UnusableFile::kThrows) return;
+  const bool is_of_this_drive = !pending_.clear;
   store_.reset();
+  num_restored_ = 0;
+  lost_ = lost_ || is_of_this_drive;
+  if (is_of_this_drive && !earlier_.superseded().empty()) pending_.superseded = earlier_.superseded();
   try {
-    damaged_ = set_damaged_aside(path_);
+    std::string aside = set_damaged_aside(path_);
     pending_.keep_in.clear();
+    if (!is_of_this_drive) {
+      damaged_ = std::move(aside);
+      return;
+    }
+    counters_.add("store.restored");
+    restored_ = fmt::format(
+        "somebody wrote to the file during the drive, or the disk damaged it: it is {}, and the map is written again",
+        aside);
+    restored_utime_ = newest_utime_;
   } catch (const MapStoreError& error) {
     note_error(error.what());
   }
+}
+
+void MapKeeper::heed_restored() {
+  if (!store_ || store_->restored().size() == num_restored_) return;
+  counters_.add("store.restored", static_cast<std::int64_t>(store_->restored().size() - num_restored_));
+  num_restored_ = store_->restored().size();
+  restored_ = store_->restored().back();
+  restored_utime_ = newest_utime_;
 }
 
 /// Makes a failed batch pending again, except what has changed meanwhile.
@@ -246,7 +265,7 @@ void MapKeeper::take_back() {
 std::string MapKeeper::fault() const {
   if (!fault_.empty()) return fault_;
   if (restored_utime_ != 0 && newest_utime_ - restored_utime_ < kRestoredFor)
-    return path_ + ": the file was deleted during the drive, and has been written again with all that it had";
+    return fmt::format("{}: {}", path_, restored_);
   if (!damaged_.empty())
     return fmt::format(
         "{}: the file was damaged, as by a power cut, and another is begun; what can be read of it: "

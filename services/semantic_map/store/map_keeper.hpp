@@ -7,6 +7,7 @@
 #include <string>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "common/bus/counters.hpp"
@@ -38,7 +39,7 @@ enum class UnusableFile { kThrows, kWaits };
 /// | kClosed | any | kClosed |
 ///
 /// Counters, of confirmed writes: store.transactions, store.tiles, faults.store; dropped.unstored_tiles,
-/// dropped.unstored_poses.
+/// dropped.unstored_poses; store.restored.
 class MapKeeper {
  public:
   /// Opens the file: throws MapStoreError. Empty path: nothing is stored. `keep_earlier`: an earlier drive in the file
@@ -83,6 +84,9 @@ class MapKeeper {
   [[nodiscard]] std::string fault() const;
   /// Whether the file lacks what is in memory because a write failed; after finish(): permanently.
   [[nodiscard]] bool failing() const { return !fault_.empty(); }
+  /// Whether another file was begun in mid-drive since the last call, since the one that held the drive was damaged or
+  /// overwritten: all tiles, poses and lines must be put once more.
+  [[nodiscard]] bool take_lost() { return std::exchange(lost_, false); }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
@@ -106,6 +110,7 @@ class MapKeeper {
   void await_writing();
   void take_back();
   void leave_damaged();
+  void heed_restored();
   [[nodiscard]] std::shared_ptr<const StoredLines> read_lines() const;
   [[nodiscard]] bool continues_stored(std::int32_t epoch, std::int64_t utime) const;
   [[nodiscard]] std::string make_room(std::int64_t utime);
@@ -122,7 +127,10 @@ class MapKeeper {
   EarlierDrive earlier_;
   std::int32_t epoch_ = 0;
   std::int64_t newest_utime_ = 0;    // of a pose
-  std::int64_t restored_utime_ = 0;  // us, pose when the file was written again; 0: never
+  std::size_t num_restored_ = 0;     // files written again by store_ that were reported
+  std::string restored_;             // why the file was written again
+  std::int64_t restored_utime_ = 0;  // us, pose at that time; 0: never
+  bool lost_ = false;
   Changes pending_;
   Changes under_way_;                 // must not be touched while it is written
   std::future<std::string> writing_;  // the error

@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 #include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -22,6 +21,7 @@
 #include <vector>
 
 #include "common/time/dated_path.hpp"
+#include "services/semantic_map/store/damaged_file.hpp"
 #include "services/semantic_map/store/map_file.hpp"
 #include "services/semantic_map/store/map_store_blobs.hpp"
 
@@ -158,7 +158,7 @@ struct MapStore::Lock {
   int fd;
 };
 
-MapStore::MapStore(std::string path) : path_(std::move(path)), lock_(std::make_unique<Lock>(path_)) {
+MapStore::MapStore(std::string path) : path_(std::move(path)), lock_(std::make_unique<Lock>(path_)), watch_(path_) {
   open();
 }
 
@@ -180,32 +180,75 @@ void MapStore::open() {
     last_utime_ = integer(*db_, "SELECT max(utime) FROM trajectory");
     superseded_ = stored_superseded();
   });
+  watch_.remember();
 }
 
 MapStore::~MapStore() = default;
 
+/// What others did to the files since the last write.
+void MapStore::heed_others() {
+  switch (watch_.change()) {
+    case FileWatch::Change::kNone:
+      return;
+    case FileWatch::Change::kDeleted:
+      restore();
+      restored_.push_back("the file was deleted during the drive, and has been written again with all that it had");
+      return;
+    case FileWatch::Change::kReplaced: {
+      const std::string aside = set_replacement_aside_unless_in_use();
+      restore();
+      restored_.push_back(
+          fmt::format("another file was put in its place during the drive: that one is {}, and the map has been "
+                      "written again with all that it had",
+                      aside));
+      return;
+    }
+    case FileWatch::Change::kWritten:
+      if (is_still_this_map()) return watch_.remember();
+      sqlite3_db_config(db_->getHandle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);  // it stays as it is
+      throw DamagedMapFile(fmt::format("{}: somebody else wrote to it", path_));
+  }
+}
+
+/// Throws if another process writes it.
+std::string MapStore::set_replacement_aside_unless_in_use() const {
+  if (!std::filesystem::is_directory(path_)) const Lock unused(path_);
+  return set_replacement_aside(path_, watch_.journal_is_replaced());
+}
+
+/// Somebody may have touched the file, or told SQLite to tidy it. Read by another connection: that of the writer has
+/// pages in memory.
+bool MapStore::is_still_this_map() const {
+  try {
+    const MapReader map(path_);
+    if (map.integrity() != "ok" || map.epoch() != epoch_) return false;
+    const std::vector<tile::TrajectoryPose> drive = map.trajectory();
+    return drive.empty() ? last_utime_ == 0 : drive.front().utime == first_utime_ && drive.back().utime == last_utime_;
+  } catch (const MapStoreError&) {
+    return false;
+  }
+}
+
 /// SQLite continues to write to a deleted file, which is lost in the end; but it can still read it, so it is copied.
-void MapStore::restore_if_deleted() {
-  struct stat there {
-  }, ours{};
-  const bool exists = stat(path_.c_str(), &there) == 0;
-  if (exists && fstat(lock_->fd, &ours) == 0 && ours.st_ino == there.st_ino && ours.st_dev == there.st_dev) return;
-  if (exists) throw MapStoreError(fmt::format("{}: another file was put in its place; move that one away", path_));
+void MapStore::restore() {
   std::error_code ignored;  // copy_to() reports it
   const auto folder = std::filesystem::path(path_).parent_path();
   if (!folder.empty()) std::filesystem::create_directories(folder, ignored);
   const std::string restored = path_ + ".restored";
   copy_to(restored);
+  std::error_code error;
+  std::filesystem::rename(restored, path_, error);
+  if (error) throw MapStoreError(fmt::format("{}: {}", path_, error.message()));
+  auto lock = std::make_unique<Lock>(path_);
   db_.reset();  // takes -wal and -shm of that name with it
-  std::filesystem::rename(restored, path_, ignored);
-  lock_ = std::make_unique<Lock>(path_);
+  lock_ = std::move(lock);
+  watch_.remember();
   open();
-  ++num_restored_;
 }
 
 void MapStore::write(const Batch& batch) {
   if (!db_) throw MapStoreError(fmt::format("{}: is closed", path_));
-  restore_if_deleted();
+  heed_others();
   if (batch.clear && !batch.keep_in.empty()) copy_to(batch.keep_in);
   for_file(path_, [&] {
     SQLite::Transaction transaction(*db_, SQLite::TransactionBehavior::IMMEDIATE);
@@ -217,6 +260,7 @@ void MapStore::write(const Batch& batch) {
     if (batch.markings != nullptr) replace_markings(*db_, *batch.markings);
     transaction.commit();
   });
+  watch_.remember();
   epoch_ = batch.epoch;
   if (batch.clear) first_utime_ = last_utime_ = 0;
   if (batch.clear || batch.superseded) superseded_ = batch.superseded.value_or("");

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -8,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "services/semantic_map/store/file_watch.hpp"
 #include "services/semantic_map/tile/map_types.hpp"
 
 namespace SQLite {
@@ -113,11 +113,12 @@ class MapStore {
     std::optional<std::string> superseded = {};
   };
   /// Throws MapStoreError (disk full, I/O error): then nothing of the batch is in the file; try again later. If the
-  /// file was deleted meanwhile, it is first written again with its content. If another file is in its place, that one
-  /// is left as it is, and writing fails until it is gone.
+  /// file was deleted meanwhile, it is first written again with its content. Another file that was put in its place is
+  /// renamed before that (set_replacement_aside()), unless another process writes it: then writing fails. If somebody
+  /// wrote to the file, so that it is no longer this map, DamagedMapFile is thrown.
   void write(const Batch& batch);
-  /// How often a deleted file was written again.
-  [[nodiscard]] std::int64_t num_restored() const { return num_restored_; }
+  /// Each time the file was written again: why, in words.
+  [[nodiscard]] const std::vector<std::string>& restored() const { return restored_; }
 
   /// Epoch, and utime of the first and the newest pose (0: none) in the file, to decide whether a drive continues it.
   [[nodiscard]] std::int32_t epoch() const { return epoch_; }
@@ -138,7 +139,10 @@ class MapStore {
  private:
   struct Lock;
   void open();
-  void restore_if_deleted();
+  void heed_others();
+  void restore();
+  [[nodiscard]] std::string set_replacement_aside_unless_in_use() const;
+  [[nodiscard]] bool is_still_this_map() const;
   void copy_to(const std::string& path);
   [[nodiscard]] std::string stored_superseded() const;
 
@@ -149,7 +153,8 @@ class MapStore {
   std::int64_t first_utime_ = 0;
   std::int64_t last_utime_ = 0;
   std::string superseded_;
-  std::atomic<std::int64_t> num_restored_ = 0;
+  FileWatch watch_;
+  std::vector<std::string> restored_;
 };
 
 }  // namespace curbstone::semantic_map::store

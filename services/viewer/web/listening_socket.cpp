@@ -66,7 +66,8 @@ Address parse_address(const std::string& text, std::uint16_t port) {
     v6->sin6_port = htons(port);
     address.size = sizeof *v6;
   } else {
-    throw std::runtime_error(text + ": not an address to listen at; expected one like 127.0.0.1 or ::1");
+    throw std::invalid_argument("viewer.address: '" + text +
+                                "' is no address to listen at; expected one like 127.0.0.1 or ::1");
   }
   return address;
 }

@@ -130,16 +130,21 @@ TEST_F(EncoderOnAPty, IsReadThroughNoise) {
 }
 
 TEST(EncoderProgram, SaysInOneLineWhatIsMissingAndStops) {
-  for (const char* what :
-       {"device=/dev/null", "interface=socketcan --set device=/dev/can0",
-        "interface=modbus_tcp --set modbus.host=nowhere", "interface=modbus_rtu --set baud=128000"}) {
+  struct Missing {
+    const char* what;
+    int exit_status;  // 2: no waiting mends it
+  };
+  for (const auto& [what, exit_status] :
+       {Missing{"device=/dev/null", 1}, Missing{"interface=socketcan --set device=/dev/can0", 1},
+        Missing{"interface=modbus_tcp --set modbus.host=nowhere", 2},
+        Missing{"interface=modbus_rtu --set baud=128000", 2}}) {
     const std::string command =
         test::program_path("curbstone-encoder") + " --lcm-url memq:// --set " + what + " 2>&1 >/dev/null";
     FILE* output = popen(command.c_str(), "r");
     ASSERT_NE(output, nullptr);
     std::string text(2000, '\0');
     text.resize(fread(text.data(), 1, text.size(), output));
-    EXPECT_EQ(WEXITSTATUS(pclose(output)), 1);
+    EXPECT_EQ(WEXITSTATUS(pclose(output)), exit_status) << what;
     EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
     EXPECT_THAT(text, AnyOf(HasSubstr("cannot open"), HasSubstr("is no serial port"), HasSubstr("encoder.")));
   }

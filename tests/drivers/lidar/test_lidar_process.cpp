@@ -172,7 +172,7 @@ TEST(LidarProcess, WaitsForAnInterfaceThatIsNotThereYet) {
 
 TEST(LidarProcess, EndsForAnAddressThatIsNone) {
   const Ended ended = lidar("--set host_address=lidar");
-  EXPECT_EQ(ended.status, 1);
+  EXPECT_EQ(ended.status, 2);
   EXPECT_THAT(ended.output, HasSubstr("'lidar' is no IPv4 address"));
 }
 

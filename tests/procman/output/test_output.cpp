@@ -178,6 +178,19 @@ TEST_F(OutputFolder, AFullDiskIsAFaultUntilThereIsRoom) {
   EXPECT_FALSE(keeper.fault());
 }
 
+/// `rm -r /var/log/curbstone`, or logrotate: lines must not go into a file that nobody finds.
+TEST_F(OutputFolder, AFileThatWasDeletedOrRenamedIsBegunAgain) {
+  OutputKeeper keeper(folder_, {}, [] { return std::int64_t{0}; });
+  keeper.add("a", "one\n", [](std::string_view) {});
+  std::filesystem::remove_all(folder_);
+  keeper.add("a", "two\n", [](std::string_view) {});
+  EXPECT_EQ(read_file(folder_ / "a.log"), "1970-01-01T00:00:00.000Z two\n");
+  std::filesystem::rename(folder_ / "a.log", folder_ / "a.log.old");
+  keeper.add("a", "three\n", [](std::string_view) {});
+  EXPECT_EQ(read_file(folder_ / "a.log"), "1970-01-01T00:00:00.000Z three\n");
+  EXPECT_EQ(keeper.write_failures(), 0);
+}
+
 TEST_F(OutputFolder, AFileThatCannotBeOpenedIsAFaultThatSaysWhy) {
   OutputKeeper keeper(folder_);
   std::filesystem::create_directory(folder_ / "a.log");

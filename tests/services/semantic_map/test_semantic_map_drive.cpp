@@ -11,6 +11,7 @@
 #include "common/bus/local_bus.hpp"
 #include "common/tile_sync/drive_pages.hpp"
 #include "tests/services/semantic_map/semantic_map_node_test.hpp"
+#include "tests/services/semantic_map/store/empty_journal.hpp"
 
 namespace curbstone::semantic_map {
 namespace {
@@ -22,8 +23,8 @@ class LostPoses : public SemanticMapNodeTest {
     SemanticMapNodeTest::SetUp();
     bus_.subscribe<tile_request_t>("TILE_REQUEST", [this](const tile_request_t& m) { answer(m); });
   }
-  void begin() {
-    node_ = std::make_unique<SemanticMapNode>(config("map.db"), bus_);
+  void begin(store::UnusableFile unusable = store::UnusableFile::kThrows) {
+    node_ = std::make_unique<SemanticMapNode>(config("map.db"), bus_, unusable);
     node_->connect(bus_);
   }
   void send(int from, int to) {
@@ -210,6 +211,35 @@ TEST_F(LostPoses, TheSuccessorOfAKilledProcessGetsWhatWasSaidInBetweenAndGoesOnW
   send(120, 140);
   pass_second(140);
   EXPECT_EQ(stored().size(), 140U);
+}
+
+/// As by `cp other.db map.db`. What is in the file is lost, and all that was in it is stored in another.
+TEST_F(LostPoses, AMapThatWasOverwrittenInMidDriveIsStoredOnceMore) {
+  const std::string file = config("map.db").map;
+  begin(store::UnusableFile::kWaits);
+  send(0, 1);
+  for (const tile::VotedTile& tile : street()) {
+    for (const voted_points_t& page : to_pages(tile, 1, 1000)) bus_.publish("VOTED_POINTS", page);
+  }
+  int said = 100;
+  const auto drive_until = [&](const char* counter, std::int64_t count) {
+    for (int i = 0; i < 100 && node_->report().counters[counter] < count; ++i, said += 20) {
+      send(said - 20, said);
+      pass_second(said);
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));  // for the thread that writes
+    }
+  };
+  send(1, said - 20);
+  drive_until("store.transactions", 3);
+  const std::size_t tiles = store::MapReader(file).tiles().size();
+  ASSERT_GT(tiles, 0U);
+  store::empty_journal(file);
+  std::ofstream(file) << "a letter";
+  drive_until("store.restored", 1);
+  drive_until("poses_again", said - 60);
+  EXPECT_EQ(stored().size(), static_cast<std::size_t>(said - 20));
+  EXPECT_EQ(store::MapReader(file).tiles().size(), tiles);
+  EXPECT_EQ(store::MapReader(file).integrity(), "ok");
 }
 
 TEST_F(LostPoses, APageThatComesBeforeTheDriveHasBegunClearsNoMap) {

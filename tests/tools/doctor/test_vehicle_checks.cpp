@@ -77,6 +77,17 @@ TEST(VehicleChecks, ADeviceIsThereAndMayBeOpened) {
   EXPECT_THAT(only(facts).what, HasSubstr("/dev/ttyUSB0 is not there"));
 }
 
+TEST(VehicleChecks, AnAddressToListenAtIsOfThisHost) {
+  VehicleFacts facts = of_user();
+  facts.addresses = {{"lidar.host_address", "192.168.1.102", true, true}};
+  EXPECT_EQ(only(facts).kind, Kind::kGood);
+  facts.addresses[0].is_ours = false;
+  EXPECT_EQ(only(facts).what, "lidar.host_address: no interface has 192.168.1.102");
+  EXPECT_THAT(only(facts).fix, HasSubstr("ip address add 192.168.1.102/24 dev"));
+  facts.addresses = {{"lidar.host_address", "eth0", false, false}};
+  EXPECT_EQ(only(facts).what, "lidar.host_address: 'eth0' is no address");
+}
+
 TEST(VehicleChecks, ACanInterfaceIsUpWithTheBitRateOfTheDrive) {
   VehicleFacts facts = of_user();
   facts.can_bitrate = 500'000;

@@ -53,6 +53,19 @@ TEST_F(VehicleFacts, WhatTheCommandsSetCountsMoreThanTheFile) {
   EXPECT_THAT(wishes.facts.devices, Contains(::testing::Field(&checks::DeviceFacts::file, "/data/out/imu")));
 }
 
+TEST_F(VehicleFacts, AnAddressThatNoInterfaceHasIsSeen) {
+  const auto address_of = [&](const std::string& yaml) { return read(yaml, "").facts.addresses.front(); };
+  EXPECT_TRUE(address_of("lidar: {model: rs16}").is_ours) << "0.0.0.0: any";
+  EXPECT_TRUE(address_of("lidar: {host_address: 127.0.0.1}").is_ours);
+  EXPECT_FALSE(address_of("lidar: {host_address: 203.0.113.1}").is_ours);
+  EXPECT_TRUE(address_of("lidar: {host_address: 203.0.113.1}").is_address);
+  EXPECT_FALSE(address_of("lidar: {host_address: eth0}").is_address);
+  const auto both = read("viewer: {address: localhost}", "").facts.addresses;
+  ASSERT_EQ(both.size(), 2U);
+  EXPECT_EQ(both[1].setting, "viewer.address");
+  EXPECT_FALSE(both[1].is_address);
+}
+
 TEST_F(VehicleFacts, AWrongKeyOnACommandLineIsAFinding) {
   const auto wishes =
       read("imu: {baud: 115200}", R"(cmd "imu" { exec = "curbstone-imu --set devise=/dev/imu"; deputy = "d"; })");

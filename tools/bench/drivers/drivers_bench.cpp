@@ -1,7 +1,6 @@
 #include "tools/bench/drivers/drivers_bench.hpp"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <exception>
 #include <string>
@@ -55,7 +54,6 @@ int run_bench_drivers(int argc, char** argv) {
   line.option("--min-time", options.turns.min_time, "s that a turn lasts at least").within(0.001, 60.0).shows_default();
   line.option("--json", options.json, "Write the figures to this file too");
   if (const auto status = line.read(argc, argv)) return *status;
-  spdlog::set_level(spdlog::level::warn);  // no log line per device in each round
   const DriversReport report = measure_drivers(options);
   print_report(report);
   if (!options.json.empty()) write_report(report, options.json);

@@ -70,6 +70,21 @@ Verdict check_device(const DeviceFacts& device, const std::string& user) {
   return good("device", fmt::format("{}: {}", device.setting, device.file));
 }
 
+Verdict check_address(const AddressFacts& address) {
+  if (!address.is_address) {
+    return finding("address", fmt::format("{}: '{}' is no address", address.setting, address.address),
+                   "write one of those that `ip address` shows, such as 192.168.1.102");
+  }
+  if (!address.is_ours) {
+    return finding(
+        "address", fmt::format("{}: no interface has {}", address.setting, address.address),
+        fmt::format("ip address add {}/24 dev INTERFACE, and in its networkd file; or write one of those that "
+                    "`ip address` shows",
+                    address.address));
+  }
+  return good("address", fmt::format("{}: {}", address.setting, address.address));
+}
+
 Verdict check_can(const CanFacts& can, int bitrate) {
   const std::string up = fmt::format("ip link set {} down; ip link set {} up type can bitrate {} restart-ms 100",
                                      can.interface, can.interface, bitrate);
@@ -142,6 +157,7 @@ Verdicts check_vehicle(const VehicleFacts& facts) {
   }
   for (const FolderFacts& folder : facts.folders) verdicts.push_back(check_folder(folder, facts.user));
   for (const DeviceFacts& device : facts.devices) verdicts.push_back(check_device(device, facts.user));
+  for (const AddressFacts& address : facts.addresses) verdicts.push_back(check_address(address));
   if (facts.can) verdicts.push_back(check_can(*facts.can, facts.can_bitrate));
   if (facts.lidar) verdicts.push_back(check_lidar(*facts.lidar));
   if (facts.disk) verdicts.push_back(check_disk(*facts.disk));

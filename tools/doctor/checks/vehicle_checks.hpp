@@ -47,6 +47,14 @@ struct DeviceFacts {
   std::string group;       ///< the group that may use it
 };
 
+/// An address of this host at which a process listens.
+struct AddressFacts {
+  std::string setting;  ///< "lidar.host_address"
+  std::string address;
+  bool is_address = false;  ///< of IPv4 or IPv6
+  bool is_ours = false;     ///< of one of this host's interfaces
+};
+
 /// A CAN interface of the kernel, as reported by `ip -details link show`.
 struct CanFacts {
   std::string interface;
@@ -82,6 +90,7 @@ struct VehicleFacts {
   std::vector<ProgramFacts> programs;
   std::vector<FolderFacts> folders;
   std::vector<DeviceFacts> devices;
+  std::vector<AddressFacts> addresses;
   std::optional<CanFacts> can;
   int can_bitrate = 0;  ///< bit/s configured
   std::optional<LidarFacts> lidar;

@@ -1,7 +1,10 @@
 #include "tools/doctor/facts/vehicle_facts.hpp"
 
+#include <arpa/inet.h>
 #include <grp.h>
+#include <netinet/in.h>
 #include <pwd.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
@@ -92,6 +95,26 @@ checks::DeviceFacts device_at(const std::string& setting, const std::string& fil
   const group* const owner = device.is_there ? getgrgid(status.st_gid) : nullptr;
   device.group = owner != nullptr ? owner->gr_name : "dialout";
   return device;
+}
+
+/// Whether a socket can have the address says whether an interface has it.
+template <class Address>
+bool is_of_an_interface(const Address& address) {
+  const int fd = socket(reinterpret_cast<const sockaddr&>(address).sa_family, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (fd < 0) return false;
+  const bool is_bound = bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  close(fd);
+  return is_bound;
+}
+
+checks::AddressFacts address_at(const std::string& setting, const std::string& text) {
+  sockaddr_in v4{};
+  v4.sin_family = AF_INET;
+  if (inet_pton(AF_INET, text.c_str(), &v4.sin_addr) == 1) return {setting, text, true, is_of_an_interface(v4)};
+  sockaddr_in6 v6{};
+  v6.sin6_family = AF_INET6;
+  if (inet_pton(AF_INET6, text.c_str(), &v6.sin6_addr) == 1) return {setting, text, true, is_of_an_interface(v6)};
+  return {setting, text, false, false};
 }
 
 checks::CanFacts can_at(const std::string& interface) {
@@ -244,7 +267,7 @@ VehicleWishes read_vehicle(const std::string& config_file, const std::string& pr
   const auto mapper = reader.read<mapper::config::MapperConfig>("mapper");
   (void)reader.read<tensor_voting::worker::TensorVotingConfig>("tensor_voting");
   (void)reader.read<localizer::LocalizerConfig>("localizer");
-  (void)reader.read<viewer::ViewerConfig>("viewer");
+  const auto viewer = reader.read<viewer::ViewerConfig>("viewer");
   (void)reader.read<relay::RelayConfig>("relay");
   const auto map = reader.read<semantic_map::SemanticMapConfig>("semantic_map");
   const auto recorder = reader.read<recorder::RecorderConfig>("recorder");
@@ -266,6 +289,8 @@ VehicleWishes read_vehicle(const std::string& config_file, const std::string& pr
   if (!mapper.folder.empty())
     facts.folders.push_back(folder_at("mapper.folder", fs::path(mapper.folder).parent_path()));
   look_for_devices(imu, encoder, facts);
+  if (lidar.pcap.empty()) facts.addresses.push_back(address_at("lidar.host_address", lidar.host_address));
+  if (viewer.network.empty()) facts.addresses.push_back(address_at("viewer.address", viewer.address));
   if (lidar.pcap.empty())
     wishes.lidar_port = lidar.msop_port != 0 ? lidar.msop_port : lidar::models::table_of(lidar.model).point_port;
   wishes.lidar_address = lidar.device_address;

@@ -140,9 +140,9 @@ TEST(UdpSource, SaysWhatIsWrongWithPortAndAddress) {
   EXPECT_THAT([] { UdpSource(kPort + 1, options("192.0.2.1", "", 65536)); },
               ThrowsMessage<std::runtime_error>(HasSubstr("no interface with address 192.0.2.1")));
   EXPECT_THAT([] { UdpSource(kPort + 1, options("lidar", "", 65536)); },
-              ThrowsMessage<std::runtime_error>(HasSubstr("'lidar' is no IPv4 address")));
+              ThrowsMessage<std::invalid_argument>(HasSubstr("'lidar' is no IPv4 address")));
   EXPECT_THAT([] { UdpSource(kPort + 1, options("0.0.0.0", "", 65536, "192.168.1")); },
-              ThrowsMessage<std::runtime_error>(HasSubstr("device_address: '192.168.1' is no IPv4 address")));
+              ThrowsMessage<std::invalid_argument>(HasSubstr("device_address: '192.168.1' is no IPv4 address")));
   EXPECT_THAT([] { UdpSource(kPort + 1, options("127.0.0.1", "10.0.0.1", 65536)); },
               ThrowsMessage<std::runtime_error>(HasSubstr("cannot join 10.0.0.1")));
 }

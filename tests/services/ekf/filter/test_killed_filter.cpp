@@ -93,6 +93,43 @@ TEST_F(KilledFilterTest, TheNextOneGoesOnWhereverItsPredecessorWasKilled) {
   }
 }
 
+/// What it turns while no process runs is lost for good: no measurement corrects the heading.
+TEST_F(KilledFilterTest, TheNextOneKeepsItsHeadingInABend) {
+  DriveOptions o;
+  o.seconds = 14.0;
+  o.stand_first = kSetOff;
+  o.stop_at = 1e9;
+  o.gyro_bias << 0.004, -0.006, 0.008;
+  const Drive drive = simulate_drive(o, config_.vehicle);
+  const auto heading_error = [&](const model::Estimate& e) {
+    return roll_pitch_yaw(e.T_odom_base.linear()).z() -
+           roll_pitch_yaw(drive.truth[drive.index_of(e.utime)].T_world_base.linear()).z();
+  };
+  double most = 0.0, turned = 0.0, later = 0.0;
+  for (double kill = kSetOff + 2.0; kill < 13.0; kill += 0.5) {
+    std::vector<model::Estimate> estimates;
+    Filter killed(config_);
+    drive_on(killed, drive, 0.0, kill, estimates);
+    const double before = heading_error(estimates.back());
+    const std::int64_t died = estimates.back().utime;
+    estimates.clear();
+    Filter next(config_);
+    next.inherit(killed.belief());
+    drive_on(next, drive, kill + kDown, kill + kDown + 0.1, estimates);
+    most = std::max(most, std::abs(heading_error(estimates.front()) - before));
+    const auto yaw_at = [&](std::int64_t utime) {
+      return roll_pitch_yaw(drive.truth[drive.index_of(utime)].T_world_base.linear()).z();
+    };
+    turned = std::max(turned, std::abs(yaw_at(estimates.front().utime) - yaw_at(died)));
+    const double at_first = heading_error(estimates.back());
+    drive_on(next, drive, kill + kDown + 0.1, 14.0, estimates);
+    later = std::max(later, std::abs(heading_error(estimates.back()) - at_first));
+  }
+  EXPECT_GT(turned, 5.0 * kOneDegree) << "the drive has bends";
+  EXPECT_LT(most, 1.5 * kOneDegree);
+  EXPECT_LT(later, 0.2 * kOneDegree) << "roll and pitch that settle leave the heading as it is";
+}
+
 TEST_F(KilledFilterTest, OneThatStartsOnTheMoveIsNotUsedUntilItIsLevel) {
   for (double kill = kSetOff - 0.75; kill < kSetOff + 1.6; kill += 0.25) {
     std::vector<model::Estimate> estimates;

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <string>
 
+#include "tests/services/semantic_map/store/empty_journal.hpp"
 #include "tests/services/semantic_map/store/map_keeper_fixture.hpp"
 
 /// @file
@@ -114,6 +115,36 @@ TEST_F(MapKeeperTest, AFileWhoseEndIsZerosIsSetAsideWhenTheNextDriveBegins) {
   EXPECT_EQ(MapReader(path_).tiles().size(), 50U);
   ASSERT_EQ(kept().size(), 1U);
   EXPECT_EQ(fs::file_size(kept().front()), 2 * size) << "nothing is thrown away";
+}
+
+/// The owner puts everything once more, into another file.
+TEST_F(MapKeeperTest, AFileThatWasOverwrittenInMidDriveIsSetAsideAndSaid) {
+  MapKeeper keeper(path_, 1000, true, UnusableFile::kWaits);
+  drive(keeper, 7, kSecond, 50);
+  write_all(keeper);
+  EXPECT_FALSE(keeper.take_lost());
+  empty_journal(path_);
+  std::ofstream(path_, std::ios::binary | std::ios::trunc) << "a letter";
+  keeper.put(a_tile(60));
+  keeper.put(a_pose(2 * kSecond));
+  write_all(keeper);
+  EXPECT_TRUE(keeper.take_lost());
+  EXPECT_FALSE(keeper.take_lost());
+  for (int x = 0; x < 50; ++x) keeper.put(a_tile(x));
+  keeper.put(a_pose(kSecond));
+  write_all(keeper);  // what had failed
+  write_all(keeper);
+  EXPECT_NE(keeper.fault().find("somebody wrote to the file during the drive"), std::string::npos) << keeper.fault();
+  EXPECT_EQ(keeper.counters()["store.restored"], 1);
+  EXPECT_EQ(MapReader(path_).tiles().size(), 51U);
+  EXPECT_EQ(MapReader(path_).trajectory().size(), 2U);
+  keeper.put(a_pose(70 * kSecond));
+  EXPECT_EQ(keeper.fault(), "");
+  keeper.finish({});
+  EXPECT_EQ(MapReader(path_).tiles().size(), 51U);
+  std::string letter;
+  std::getline(std::ifstream(kept().front()), letter);
+  EXPECT_EQ(letter, "a letter");
 }
 
 TEST_F(MapKeeperTest, DoesNotWaitForAFileThatIsNamedByMistakeOrWrittenByAnother) {

@@ -59,7 +59,7 @@ TEST(WaitingServer, DoesNotWaitForWhatNoWaitingMends) {
   WebSettings settings;
   settings.address = "nonsense";
   settings.waits = true;
-  EXPECT_THROW(WebServer{settings}, std::runtime_error);
+  EXPECT_THROW(WebServer{settings}, std::invalid_argument);
 }
 
 }  // namespace
