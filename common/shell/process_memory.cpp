@@ -19,6 +19,10 @@ ProcessMemory process_memory() {
   return {resident * page, (resident - of_files) * page};
 }
 
+void use_one_heap() {
+  mallopt(M_ARENA_MAX, 1);
+}
+
 std::int64_t return_unused_memory() {
   const std::int64_t before = process_memory().own;
   // What malloc calls free may have been given back already, so it is no measure: what is resident and not in use is.

@@ -140,6 +140,7 @@ class Process {
 
 int run_service(int argc, char** argv, const ServiceOptions& options, AnyConfig& config,
                 const std::function<std::unique_ptr<Node>(ServiceContext&)>& make) {
+  use_one_heap();
   const std::string& section = options.section;
   CommandLine line(options.description);
   std::string file;
