@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "common/file_kind/file_kind.hpp"
 #include "drivers/lidar/sources/pcapng_reader.hpp"
 
 namespace curbstone::lidar::sources {
@@ -84,7 +86,10 @@ class PcapSource::Impl {
     handle_ = pcap_open_offline(file_.c_str(), error.data());
     if (handle_ == nullptr) {
       const std::string why = error.data();  // of a file that cannot be opened it begins with the name
-      throw std::runtime_error(why.starts_with(file_) ? why : fmt::format("{}: not a capture: {}", file_, why));
+      if (why.starts_with(file_)) throw std::runtime_error(why);
+      const std::string_view kind = file_kind(file_);
+      throw std::runtime_error(kind.empty() ? fmt::format("{}: not a capture: {}", file_, why)
+                                            : fmt::format("{}: not a capture, but {}", file_, kind));
     }
     const int link = pcap_datalink(handle_);
     read_ = reader_of(link);

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "services/mapper/mounting/consistent_median.hpp"
+#include "common/statistics/consistent_median.hpp"
 
 namespace curbstone::mapper::detection {
 namespace {
@@ -64,8 +64,8 @@ std::optional<double> RangeScale::scale_by_ground(const std::vector<scan::LidarP
 }
 
 void RangeScale::judge() {
-  const auto by_way = mounting::consistent_median({by_way_.begin(), by_way_.end()}, kSpread, kMinStretches);
-  const auto by_ground = mounting::consistent_median({by_ground_.begin(), by_ground_.end()}, kSpread, kMinStretches);
+  const auto by_way = consistent_median({by_way_.begin(), by_way_.end()}, kSpread, kMinStretches);
+  const auto by_ground = consistent_median({by_ground_.begin(), by_ground_.end()}, kSpread, kMinStretches);
   const bool known = by_way && by_ground;
   const bool wrong = known && std::abs(*by_way - 1) > kWrong && std::abs(*by_ground - 1) > kWrong &&
                      std::abs(*by_way / *by_ground - 1) < kAgree;

@@ -54,6 +54,7 @@ void SensorMonitor::compare(std::int64_t utime, const Pose& T_map_base_by_scan, 
   lag_.add(utime, T_map_base_by_scan, T_odom_base);
   sense_.add(utime, T_map_base_by_scan, T_odom_base);
   mounting_.set_turns_opposite(sense_.is_opposite());
+  mounting_.set_stamps_are_wrong(lag_.wrong());
 }
 
 void SensorMonitor::add_faults(std::vector<std::string>& faults) const {

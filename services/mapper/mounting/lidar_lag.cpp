@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "common/bus/levels.hpp"
-#include "services/mapper/mounting/consistent_median.hpp"
+#include "common/statistics/consistent_median.hpp"
 #include "services/mapper/scan/scan.hpp"
 
 namespace curbstone::mapper::mounting {

@@ -26,6 +26,7 @@ double degrees(double rad) {
 
 void LidarMounting::interrupt() {
   travel_.interrupt();
+  arm_.interrupt();
   utime_ = 0;
   looked_.setConstant(1e9);
 }
@@ -36,10 +37,13 @@ void LidarMounting::add(const RegisteredScan& scan) {
   const bool goes_on = seconds > 0 && seconds < kMaxScanInterval;
   utime_ = scan.utime;
   T_map_base_ = scan.T_map_base;
-  if (scan.T_odom_base && scan.is_fully_constrained)
+  if (scan.T_odom_base && scan.is_fully_constrained) {
     travel_.add(scan.T_map_base, *scan.T_odom_base);
-  else
+    arm_.add(scan.utime, scan.T_map_base, *scan.T_odom_base);
+  } else {
     travel_.interrupt();
+    arm_.interrupt();
+  }
   const double sideways = goes_on ? moved.translation().norm() * angle_of(moved) / (seconds * seconds) : 1e9;
   if ((scan.T_map_base.translation() - looked_).norm() < kSampleSpacing || sideways > kMaxLateralAcceleration) return;
   looked_ = scan.T_map_base.translation();
@@ -60,9 +64,30 @@ void LidarMounting::judge_mirrored() {
   if (wrong_.mirrored && !before) counters_.add("faults.lidar.mirrored");
 }
 
+bool LidarMounting::is_beyond_ahead() const {
+  return excess_.bends > 0 &&
+         beyond(excess_.by.x(), kAhead + kFewBends / static_cast<double>(excess_.bends), wrong_.place);
+}
+
+bool LidarMounting::is_beyond_aside() const {
+  return excess_.bends > 0 &&
+         beyond(excess_.by.y(), kAside + kFewBends / static_cast<double>(excess_.bends), wrong_.place);
+}
+
+void LidarMounting::judge_place() {
+  const auto straight = travel_.straight();
+  const auto excess = straight && !stamps_are_wrong_ ? arm_.excess(*straight) : std::nullopt;
+  if (!excess) return;
+  excess_ = *excess;
+  const bool before = wrong_.place;
+  wrong_.place = is_beyond_ahead() || is_beyond_aside();
+  if (wrong_.place && !before) counters_.add("faults.lidar.displaced");
+}
+
 void LidarMounting::judge() {
   const Wrong before = wrong_;
   judge_mirrored();
+  judge_place();
   if (const auto straight = travel_.straight()) {
     straight_ = *straight;
     wrong_.yaw = beyond(straight->heading_offset, kYaw, before.yaw);
@@ -86,10 +111,23 @@ std::vector<double> LidarMounting::lidar() const {
   const Eigen::Matrix3d R =
       Eigen::AngleAxisd(-straight_.heading_offset, Eigen::Vector3d::UnitZ()) * level * T_base_lidar.linear();
   const Eigen::Vector3d rpy = roll_pitch_yaw(R);
-  const Eigen::Vector3d& at = T_base_lidar.translation();
+  Eigen::Vector3d at = T_base_lidar.translation();
   const double above = (at.z() - plane_.height - plane_.along * at.x() - plane_.across * at.y()) * up.z();
   const auto rounded = [](double rad) { return std::round(rad * 1000) / 1000 + 0.0; };  // no -0.000
-  return {at.x(), at.y(), std::round(above * 100) / 100, rounded(rpy.x()), rounded(rpy.y()), rounded(rpy.z())};
+  if (is_beyond_ahead()) at.x() -= excess_.by.x();
+  if (is_beyond_aside()) at.y() -= excess_.by.y();
+  const auto in_cm = [](double m) { return std::round(m * 100) / 100 + 0.0; };
+  return {in_cm(at.x()), in_cm(at.y()), in_cm(above), rounded(rpy.x()), rounded(rpy.y()), rounded(rpy.z())};
+}
+
+std::string LidarMounting::place_fault() const {
+  std::string what;
+  const Eigen::Vector2d& by = excess_.by;
+  if (is_beyond_ahead())
+    what += fmt::format(", is {:.2f} m too far {}", std::abs(by.x()), by.x() > 0 ? "back" : "ahead");
+  if (is_beyond_aside())
+    what += fmt::format(", is {:.2f} m too far to the {}", std::abs(by.y()), by.y() > 0 ? "right" : "left");
+  return what;
 }
 
 void LidarMounting::add_faults(std::vector<std::string>& faults) const {
@@ -99,13 +137,14 @@ void LidarMounting::add_faults(std::vector<std::string>& faults) const {
         "azimuths or axes mirrored, or the IMU's turned?");
     return;
   }
-  if (wrong_.tilt || wrong_.height || wrong_.yaw) {
+  if (wrong_.tilt || wrong_.height || wrong_.yaw || wrong_.place) {
     std::string what;
     if (wrong_.tilt)
       what += fmt::format(", leans by {:.1f} deg", degrees(std::atan(std::hypot(plane_.along, plane_.across))));
     if (wrong_.yaw) what += fmt::format(", looks {:.1f} deg aside", degrees(std::abs(straight_.heading_offset)));
     if (wrong_.height)
       what += fmt::format(", is {:.2f} m too {}", std::abs(plane_.height), plane_.height > 0 ? "low" : "high");
+    if (wrong_.place) what += place_fault();
     const std::vector<double> is = lidar();
     faults.push_back(
         fmt::format("LiDAR: not where vehicle.lidar says, by the ground and the way driven: it{}: straighten it, or "

@@ -9,8 +9,9 @@
 #include "common/config/vehicle.hpp"
 #include "common/geometry/geometry.hpp"
 #include "services/mapper/mounting/ground_plane_estimator.hpp"
-#include "services/mapper/mounting/travel_direction.hpp"
 #include "services/mapper/scan/scan.hpp"
+#include "services/mapper/travel/lever_arm.hpp"
+#include "services/mapper/travel/travel_direction.hpp"
 
 namespace curbstone::mapper::mounting {
 
@@ -26,19 +27,22 @@ struct RegisteredScan {
 /// Checks that the LiDAR is mounted as `vehicle.lidar` says, and that the wheels match `vehicle.wheel_radius`: the
 /// usual mistakes on a new vehicle, and the effect of a knock on any. Roll, pitch and height come from the ground in
 /// the strip that the vehicle drives in (GroundPlaneEstimator); yaw, upside down and wheel size from its direction of
-/// travel (TravelDirection). With a wrong mounting the map is consistent but wrong: it leans, and its curbs are
-/// displaced from the real ones.
+/// travel (TravelDirection); x and y from bends (LeverArm). With a wrong mounting the map is consistent but wrong: it
+/// leans, and its curbs are displaced from the real ones.
 ///
 /// The limits are beyond the effect of load, tyres and cambered roads. A fault stays raised until the value is below
 /// kSettled of the limit. A function of the calls. Pure; one thread. Counters: faults.lidar.tilted, .height, .turned,
-/// .mirrored, faults.wheels.size.
+/// .displaced, .mirrored, faults.wheels.size.
 class LidarMounting {
  public:
-  static constexpr double kPitch = 0.026;  ///< rad
-  static constexpr double kRoll = 0.035;   ///< rad
-  static constexpr double kHeight = 0.12;  ///< m
-  static constexpr double kYaw = 0.021;    ///< rad
-  static constexpr double kLength = 0.04;  ///< share of the distance driven
+  static constexpr double kPitch = 0.026;   ///< rad
+  static constexpr double kRoll = 0.035;    ///< rad
+  static constexpr double kHeight = 0.12;   ///< m
+  static constexpr double kYaw = 0.021;     ///< rad
+  static constexpr double kAhead = 0.2;     ///< m: tyres that slide outwards look like 0.1
+  static constexpr double kAside = 0.15;    ///< m
+  static constexpr double kFewBends = 0.5;  ///< m: the limits of both are this, divided by the number of bends, more
+  static constexpr double kLength = 0.04;   ///< share of the distance driven
   static constexpr double kSettled = 0.75;
 
   explicit LidarMounting(const VehicleConfig& vehicle) : vehicle_(vehicle) {}
@@ -51,10 +55,14 @@ class LidarMounting {
   /// those that fitted count for more, once there are enough.
   void set_turns_opposite(bool opposite);
 
-  /// Current faults: the LiDAR leans, is too high or low, is turned, is mirrored; the wheels are of another size.
+  /// Whether the LiDAR's stamps are late or early: that may look like another place.
+  void set_stamps_are_wrong(bool wrong) { stamps_are_wrong_ = wrong; }
+
+  /// Current faults: the LiDAR leans, is too high or low, is turned, is too far ahead, behind or aside, is mirrored;
+  /// the wheels are of another size.
   struct Wrong {
-    bool tilt = false, height = false, yaw = false, mirrored = false, size = false;
-    [[nodiscard]] bool any() const { return tilt || height || yaw || mirrored || size; }
+    bool tilt = false, height = false, yaw = false, place = false, mirrored = false, size = false;
+    [[nodiscard]] bool any() const { return tilt || height || yaw || place || mirrored || size; }
   };
   [[nodiscard]] const Wrong& wrong() const { return wrong_; }
   /// x y z in m, roll pitch yaw in rad: the `vehicle.lidar` that ground and direction of travel suggest.
@@ -67,15 +75,22 @@ class LidarMounting {
  private:
   void judge();
   void judge_mirrored();
+  void judge_place();
+  [[nodiscard]] bool is_beyond_ahead() const;
+  [[nodiscard]] bool is_beyond_aside() const;
+  [[nodiscard]] std::string place_fault() const;
 
   VehicleConfig vehicle_;
   GroundPlaneEstimator ground_;
-  TravelDirection travel_;
+  travel::TravelDirection travel_;
+  travel::LeverArm arm_;
   std::int64_t utime_ = 0;  // us, of the last revolution
   Pose T_map_base_ = Pose::Identity();
   Eigen::Vector3d looked_ = Eigen::Vector3d::Constant(1e9);  // m, map: where the ground was last observed
   GroundPlane plane_;
-  TravelDirection::Straight straight_;
+  travel::TravelDirection::Straight straight_;
+  bool stamps_are_wrong_ = false;
+  travel::LeverArm::Excess excess_;  // of vehicle.lidar's x and y
   bool turns_opposite_ = false;
   Wrong wrong_;
   Counters counters_;

@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "services/mapper/mounting/consistent_median.hpp"
+#include "common/statistics/consistent_median.hpp"
 #include "services/mapper/mounting/lowest.hpp"
 
 namespace curbstone::mapper::mounting {

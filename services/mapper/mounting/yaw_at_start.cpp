@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "services/mapper/mounting/consistent_median.hpp"
+#include "common/statistics/consistent_median.hpp"
 #include "services/mapper/mounting/lowest.hpp"
 
 namespace curbstone::mapper::mounting {

@@ -9,6 +9,7 @@
 #include "drivers/lidar/sources/udp_frame.hpp"
 #include "tests/drivers/lidar/captures.hpp"
 #include "tests/paths.hpp"
+#include "tests/temporary_folder.hpp"
 
 namespace curbstone::lidar::sources {
 namespace {
@@ -232,6 +233,11 @@ TEST(PcapSource, SaysWhatIsWrongWithAFile) {
               ThrowsMessage<std::runtime_error>(HasSubstr("/nowhere/drive.pcap: No such file")));
   EXPECT_THAT([] { PcapSource(test::source_path("README.md")); },
               ThrowsMessage<std::runtime_error>(HasSubstr("README.md: not a capture: unknown file format")));
+  const test::TemporaryFolder folder;
+  const std::string compressed = folder / "drive.pcap.gz";
+  std::ofstream(compressed, std::ios::binary) << "\x1F\x8B\x08";
+  EXPECT_THAT([&] { PcapSource{compressed}; },
+              ThrowsMessage<std::runtime_error>(HasSubstr("not a capture, but a file compressed by gzip")));
   const Capture can({frame({1}, 1)}, 227);
   EXPECT_THAT([&] { PcapSource{can.name()}; }, ThrowsMessage<std::runtime_error>(HasSubstr("link type")));
 }

@@ -37,6 +37,15 @@ class LidarMountingTest : public ::testing::Test {
     mounting_.add_faults(faults);
     return faults.empty() ? "" : faults.front();
   }
+  /// Straight on, and bends to both sides.
+  void drive_round() {
+    drive(16);
+    for (int i = 0; i < 3; ++i) {
+      drive(3, 0.35);
+      drive(3, -0.35);
+    }
+    drive(3);
+  }
   void mount(double z, double roll, double pitch, double yaw) {
     drive_.T_base_lidar = test::pose(0, 0, z, roll, pitch, yaw);
   }
@@ -110,6 +119,19 @@ TEST_F(LidarMountingTest, UpsideDownTurnsTheOtherWay) {
   }
   EXPECT_TRUE(mounting_.wrong().mirrored);
   EXPECT_THAT(fault(), HasSubstr("a roll of 3.1416 in vehicle.lidar"));
+}
+
+TEST_F(LidarMountingTest, OneThatIsElsewhereOnTheVehicleIsReportedAfterBends) {
+  drive_.T_base_lidar = test::pose(-0.3, 0.25, 1.73, 0, 0, 0);
+  mounting_.set_stamps_are_wrong(true);
+  drive_round();
+  EXPECT_THAT(fault(), IsEmpty()) << "late stamps may look alike";
+  mounting_.set_stamps_are_wrong(false);
+  drive_round();
+  EXPECT_TRUE(mounting_.wrong().place);
+  EXPECT_THAT(fault(), HasSubstr("is 0.30 m too far back, is 0.25 m too far to the left: straighten it, or set "
+                                 "vehicle.lidar: [-0.30, 0.25, 1.7"));
+  EXPECT_EQ(mounting_.counters()["faults.lidar.displaced"], 1);
 }
 
 TEST_F(LidarMountingTest, WheelsOfAnotherSizeAreReported) {

@@ -12,7 +12,7 @@ namespace curbstone::bench::sensor_faults::catalogue {
 
 namespace {
 
-enum Member : std::size_t { kZ = 2, kRoll = 3, kPitch = 4, kYaw = 5 };
+enum Member : std::size_t { kX = 0, kY = 1, kZ = 2, kRoll = 3, kPitch = 4, kYaw = 5 };
 
 Fault file_says(std::string name, std::string words, std::string setting) {
   Fault fault{"vehicle file", std::move(name), std::move(words), kFromTheBeginning};
@@ -43,6 +43,8 @@ std::vector<Fault> vehicle_file_faults() {
       lidar_at("LiDAR roll 180 deg", "the file has the LiDAR upside down", kRoll, radians(180)),
       lidar_at("LiDAR 0.4 m too high", "the file has the LiDAR 0.4 m higher than it is", kZ, 0.4),
       lidar_at("LiDAR 0.4 m too low", "the file has the LiDAR 0.4 m lower than it is", kZ, -0.4),
+      lidar_at("LiDAR 1 m too far ahead", "the file has the LiDAR 1 m further ahead than it is", kX, 1.0),
+      lidar_at("LiDAR 1 m aside", "the file has the LiDAR 1 m further to the left than it is", kY, 1.0),
       number("track 10 % wide", "the file's track_width is 10 % too large", "track_width", 1.1 * right.track_width),
       number("track 10 % narrow", "the file's track_width is 10 % too small", "track_width", 0.9 * right.track_width),
       number("wheel radius 10 % large", "the file's wheel_radius is 10 % too large", "wheel_radius",

@@ -7,7 +7,7 @@
 
 #include "common/statistics/quantile.hpp"
 
-namespace curbstone::mapper::mounting {
+namespace curbstone {
 
 /// The median of at least `min_count` values, if their middle half spans at most 2 `spread`; otherwise none.
 [[nodiscard]] inline std::optional<double> consistent_median(std::vector<double> values, double spread,
@@ -17,4 +17,4 @@ namespace curbstone::mapper::mounting {
   return quantile_in_place(values, 0.5);
 }
 
-}  // namespace curbstone::mapper::mounting
+}  // namespace curbstone

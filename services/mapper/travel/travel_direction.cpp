@@ -1,12 +1,12 @@
-#include "services/mapper/mounting/travel_direction.hpp"
+#include "services/mapper/travel/travel_direction.hpp"
 
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "services/mapper/mounting/consistent_median.hpp"
+#include "common/statistics/consistent_median.hpp"
 
-namespace curbstone::mapper::mounting {
+namespace curbstone::mapper::travel {
 namespace {
 
 constexpr double kSpread = 0.015;  // rad, or share: largest half-width of the middle half of the stretches
@@ -60,4 +60,4 @@ std::optional<double> TravelDirection::turning() const {
   return consistent_median({turns_.begin(), turns_.end()}, kTurnSpread, kMinSamples);
 }
 
-}  // namespace curbstone::mapper::mounting
+}  // namespace curbstone::mapper::travel

@@ -6,7 +6,7 @@
 
 #include "common/geometry/geometry.hpp"
 
-namespace curbstone::mapper::mounting {
+namespace curbstone::mapper::travel {
 
 /// Compares the motion by registration with that by odometry, stretch by stretch: direction and length on straight
 /// stretches, angle in turns. A LiDAR that is turned on the vehicle seems to drive at an angle, one that is upside down
@@ -46,4 +46,4 @@ class TravelDirection {
   std::deque<double> turns_;
 };
 
-}  // namespace curbstone::mapper::mounting
+}  // namespace curbstone::mapper::travel
