@@ -7,7 +7,7 @@
 namespace curbstone::encoder {
 
 namespace {
-constexpr int kMaxSuspects = 3;       // consecutive samples that agree with each other: they are right
+constexpr int kMaxSuspects = 3;       // consecutive samples that jump and agree with each other: they are right
 constexpr double kAcceleration = 20;  // rad/s^2, of a wheel
 constexpr double kUnexplained = 0.5;  // rad, of a wheel that slips for one sample
 constexpr double kAtZero = 4;         // counts
@@ -31,53 +31,60 @@ std::optional<WheelCounter::Sample> WheelCounter::update(const Raw& raw, double 
   if (has_booted_ && is_near_zero(raw, since_accepted_ + elapsed)) last_.reset();
   if (!last_) {
     has_booted_ = false;
-    last_ = raw;
-    since_accepted_ = rate_time_ = unknown_ = 0;
-    suspects_ = unconfirmed_ = 0;
-    rate_ = {};
-    second_.reset();
     leap_.restart();
+    begin_at(raw);
     return sample({}, elapsed);
   }
   skip(elapsed);
-  std::array<double, 2> moved = difference(*last_, raw);
+  const std::array<double, 2> moved = difference(*last_, raw);
   const bool has_rate = rate_time_ > 0;
   if (has_rate && (!possible(moved, since_accepted_) || counts_were_reset(raw, moved))) {
-    const bool agrees = suspects_ > 0 && possible(difference(*suspect_, raw), elapsed);
-    suspects_ = agrees ? suspects_ + 1 : 1;
-    suspect_ = raw;
-    if (suspects_ < kMaxSuspects) {
-      counters_.add(refusal_ = "refused.jump");
-      return {};
-    }
+    if (!is_lasting_jump(raw, elapsed)) return refuse("refused.jump");
     counters_.add("counts_restarted");
-    last_ = raw;
-    since_accepted_ = rate_time_ = unknown_ = 0;  // the rate is to be confirmed
-    suspects_ = unconfirmed_ = 0;
-    rate_ = {};
-    second_.reset();
+    begin_at(raw);
     return sample({}, elapsed);
-  } else if (is_stale(moved)) {
-    counters_.add(refusal_ = "refused.old_counts");
-    return {};
-  } else if (has_rate ? is_outlier(moved) : is_unconfirmed_start(raw, moved)) {
-    counters_.add(refusal_ = "refused.outlier");
-    return {};
   }
-  const double time = since_accepted_;
+  if (is_stale(moved)) return refuse("refused.old_counts");
+  if (has_rate ? is_outlier(moved) : is_unconfirmed_start(raw, moved)) return refuse("refused.outlier");
+  return accept(raw, moved);
+}
+
+/// The counts go on from these. Their rate is to be confirmed.
+void WheelCounter::begin_at(const Raw& raw) {
   last_ = raw;
-  rate_time_ = time;
-  since_accepted_ = 0;
+  since_accepted_ = rate_time_ = unknown_ = 0;
   suspects_ = unconfirmed_ = 0;
+  rate_ = {};
   second_.reset();
+}
+
+WheelCounter::Sample WheelCounter::accept(const Raw& raw, const std::array<double, 2>& moved) {
+  const double time = since_accepted_;
   for (std::size_t i = 0; i < 2; ++i) {
     rate_[i] = time > 0 ? moved[i] / time : 0.0;
     const double counts = moved[i] + std::round(rate_[i] * unknown_);
     total_[i] += static_cast<std::int64_t>(settings_.inverted[i] ? -counts : counts);
   }
-  unknown_ = 0;
+  last_ = raw;
+  rate_time_ = time;
+  since_accepted_ = unknown_ = 0;
+  suspects_ = unconfirmed_ = 0;
+  second_.reset();
   has_booted_ = false;
   return sample(moved, time);
+}
+
+std::nullopt_t WheelCounter::refuse(const char* cause) {
+  counters_.add(refusal_ = cause);
+  return std::nullopt;
+}
+
+/// Whether as many samples as are enough have jumped, and agree with each other: they are right, then.
+bool WheelCounter::is_lasting_jump(const Raw& raw, double elapsed) {
+  const bool agrees = suspects_ > 0 && possible(difference(*suspect_, raw), elapsed);
+  suspects_ = agrees ? suspects_ + 1 : 1;
+  suspect_ = raw;
+  return suspects_ >= kMaxSuspects;
 }
 
 void WheelCounter::skip(double elapsed) {

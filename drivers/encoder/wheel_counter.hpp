@@ -70,6 +70,10 @@ class WheelCounter {
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
+  void begin_at(const Raw& raw);
+  [[nodiscard]] Sample accept(const Raw& raw, const std::array<double, 2>& moved);
+  [[nodiscard]] std::nullopt_t refuse(const char* cause);
+  [[nodiscard]] bool is_lasting_jump(const Raw& raw, double elapsed);
   [[nodiscard]] static std::array<double, 2> difference(const Raw& from, const Raw& to);
   [[nodiscard]] bool possible(const std::array<double, 2>& moved, double time) const;
   /// counts, maximum turn beyond that at a constant rate.

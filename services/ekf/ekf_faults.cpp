@@ -17,7 +17,38 @@ std::string axis_along(const Eigen::Vector3d& direction) {
   return fmt::format("{}{}", direction[axis] < 0 ? '-' : '+', "xyz"[axis]);
 }
 
-/// `verdict`: one of mounting.verdicts().
+/// `lean`: rad, to the right and backwards.
+std::string lean_in_words(const Eigen::Vector2d& lean) {
+  const Eigen::Vector2d degrees = lean * (180 / std::numbers::pi);
+  return fmt::format(
+      "IMU: by gravity the vehicle leans all along, by {:.0f} deg to the {} and {:.0f} deg {}, and the map leans "
+      "with it: correct roll, pitch of vehicle.imu. Or is it on a slope?",
+      std::abs(degrees.x()), degrees.x() > 0 ? "right" : "left", std::abs(degrees.y()),
+      degrees.y() > 0 ? "backwards" : "forwards");
+}
+
+/// `ahead`: the IMU's reading of a force ahead.
+std::string mirrored_in_words(const Eigen::Vector2d& ahead) {
+  const bool swapped = std::abs(ahead.y()) > std::abs(ahead.x());
+  return fmt::format(
+      "IMU: its axes are not right-handed: {}, and it is not used. No vehicle.imu is so: correct what the device "
+      "sends",
+      swapped ? "x and y are swapped" : fmt::format("{} has the wrong sign", ahead.x() > 0 ? 'y' : 'x'));
+}
+
+/// `scale`: the wheels' turn as a multiple of the gyro's.
+std::string turn_scale_in_words(double scale, const VehicleConfig& vehicle) {
+  return fmt::format(
+      "WHEELS turn {:.2f} times as far as the gyro: is vehicle.track_width {:.2f} m, or the gyro's scale wrong?", scale,
+      scale * vehicle.track_width);
+}
+
+std::string missing_yaw_in_words(double yaw, bool is_corrected) {
+  return fmt::format("IMU: its forward is not the wheels'{}: add about {:.0f} deg to the yaw of vehicle.imu",
+                     is_corrected ? ", and it is used as if turned" : "", yaw * 180 / std::numbers::pi);
+}
+
+/// `verdict`: one of mounting.verdicts(), so that its value is there.
 std::string in_words(mounting::MountingWatch::Verdict verdict, const mounting::MountingWatch& mounting,
                      const VehicleConfig& vehicle) {
   using Verdict = mounting::MountingWatch::Verdict;
@@ -31,47 +62,29 @@ std::string in_words(mounting::MountingWatch::Verdict verdict, const mounting::M
       return fmt::format(
           "IMU: its mean acceleration is {:.2f} m/s^2, which is not gravity, and it is not used: another unit?",
           *mounting.wrong_gravity());
-    case Verdict::kLeans: {
-      const Eigen::Vector2d lean = *mounting.leans() * (180 / std::numbers::pi);
-      return fmt::format(
-          "IMU: by gravity the vehicle leans all along, by {:.0f} deg to the {} and {:.0f} deg {}, and the map leans "
-          "with it: correct roll, pitch of vehicle.imu. Or is it on a slope?",
-          std::abs(lean.x()), lean.x() > 0 ? "right" : "left", std::abs(lean.y()),
-          lean.y() > 0 ? "backwards" : "forwards");
-    }
+    case Verdict::kLeans:
+      return lean_in_words(*mounting.leans());
     case Verdict::kWheelsCountBackwards:
       return "WHEELS: both count backwards: correct invert_left and invert_right";
     case Verdict::kTurnsOpposite:
       return "WHEELS and gyro turn opposite ways: left and right swapped? Else the gyro's sign is wrong";
-    case Verdict::kMirrored: {
-      const Eigen::Vector2d ahead = *mounting.mirrored();
-      const bool swapped = std::abs(ahead.y()) > std::abs(ahead.x());
-      return fmt::format(
-          "IMU: its axes are not right-handed: {}, and it is not used. No vehicle.imu is so: correct what the device "
-          "sends",
-          swapped ? "x and y are swapped" : fmt::format("{} has the wrong sign", ahead.x() > 0 ? 'y' : 'x'));
-    }
+    case Verdict::kMirrored:
+      return mirrored_in_words(*mounting.mirrored());
     case Verdict::kWrongGyroUp:
       return fmt::format(
           "IMU: its gyro does not turn as the wheels do, and is not used: its {} axis points up, by gravity the {}",
           axis_along(*mounting.wrong_gyro_up()), declared_up());
     case Verdict::kGyroIsWrong:
       return "IMU: its gyro does not turn as the wheels do, and is not used: in deg/s, or another axis up?";
-    case Verdict::kWrongTurnScale: {
-      const double scale = *mounting.wrong_turn_scale();
-      return fmt::format(
-          "WHEELS turn {:.2f} times as far as the gyro: is vehicle.track_width {:.2f} m, or the gyro's scale wrong?",
-          scale, scale * vehicle.track_width);
-    }
+    case Verdict::kWrongTurnScale:
+      return turn_scale_in_words(*mounting.wrong_turn_scale(), vehicle);
     case Verdict::kSetsOffTheOtherWay:
       return "IMU: by it the vehicle sets off the other way than by the wheels, and is believed to drive forwards: add "
              "180 deg to the yaw of vehicle.imu, or do both wheels count backwards? The first bend will show it";
     case Verdict::kMissingYaw:
       break;
   }
-  return fmt::format("IMU: its forward is not the wheels'{}: add about {:.0f} deg to the yaw of vehicle.imu",
-                     mounting.imu_turn() != 0.0 ? ", and it is used as if turned" : "",
-                     *mounting.missing_yaw() * 180 / std::numbers::pi);
+  return missing_yaw_in_words(*mounting.missing_yaw(), mounting.imu_turn() != 0.0);
 }
 
 }  // namespace

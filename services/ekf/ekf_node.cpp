@@ -62,16 +62,28 @@ void EkfNode::connect(Subscriber& bus) {
   if (config_.fuse_map) bus.subscribe<map_pose_t>("MAP_POSE", [this](const map_pose_t& message) { on(message); });
 }
 
-void EkfNode::on(const imu_t& message) {
-  counters_.add("messages.imu");
+/// Whether the message may be used. Counts it, and those that were lost before it.
+template <class Message>
+bool EkfNode::accept(Input& input, const Message& message) {
+  counters_.add(std::string("messages.") + input.counter);
   const char* cause = why_refused(message);
-  if (cause == nullptr && !imu_.sender.accept(message.utime, message.sequence))
-    return counters_.add("refused.second_sender.imu");
-  count_lost_messages(imu_, message.sequence);
-  if (cause != nullptr) return refuse(imu_, cause);
-  imu_.refused_in_a_row = 0;
-  imu_.heard = message.utime;
-  imu_.silence.heard();
+  if (cause == nullptr && !input.sender.accept(message.utime, message.sequence)) {
+    counters_.add(std::string("refused.second_sender.") + input.counter);
+    return false;
+  }
+  count_lost_messages(input, message.sequence);
+  if (cause != nullptr) {
+    refuse(input, cause);
+    return false;
+  }
+  input.refused_in_a_row = 0;
+  input.heard = message.utime;
+  input.silence.heard();
+  return true;
+}
+
+void EkfNode::on(const imu_t& message) {
+  if (!accept(imu_, message)) return;
   imu_status_ = message.status;
   const std::int64_t offset_before = clock_.offset();
   const std::optional<std::int64_t> utime =
@@ -91,15 +103,7 @@ void EkfNode::on(const imu_t& message) {
 }
 
 void EkfNode::on(const wheels_t& message) {
-  counters_.add("messages.wheels");
-  const char* cause = why_refused(message);
-  if (cause == nullptr && !wheels_.sender.accept(message.utime, message.sequence))
-    return counters_.add("refused.second_sender.wheels");
-  count_lost_messages(wheels_, message.sequence);
-  if (cause != nullptr) return refuse(wheels_, cause);
-  wheels_.refused_in_a_row = 0;
-  wheels_.heard = message.utime;
-  wheels_.silence.heard();
+  if (!accept(wheels_, message)) return;
   last_wheels_ = message;
   base::WheelSample sample = sample_of(message);
   const std::int64_t offset_before = clock_.offset();

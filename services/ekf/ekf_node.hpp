@@ -59,6 +59,8 @@ class EkfNode final : public Node {
     int refused_in_a_row = 0;
   };
 
+  template <class Message>
+  [[nodiscard]] bool accept(Input& input, const Message& message);
   void process_due();
   void process(const inputs::Sequencer::Sample& sample);
   void check_mounting(const inputs::Sequencer::Sample& sample);

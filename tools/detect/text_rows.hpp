@@ -49,22 +49,16 @@ class TextLines {
       if (line_.size() == kMaxLine) return false;
       line_.push_back(static_cast<char>(c));
     }
-    if (number_ == 1 && line_.starts_with(kByteOrderMark)) {
-      line_.erase(0, kByteOrderMark.size());
-      marked_ = true;
-    }
+    if (number_ == 1 && line_.starts_with(kByteOrderMark)) line_.erase(0, kByteOrderMark.size());
     return true;
   }
   [[nodiscard]] std::string_view line() const { return line_; }
   [[nodiscard]] int number() const { return number_; }
-  /// Whether the text began with a byte order mark.
-  [[nodiscard]] bool is_marked() const { return marked_; }
 
  private:
   std::istream& in_;
   std::string line_;
   int number_ = 0;
-  bool marked_ = false;
 };
 
 }  // namespace curbstone::detect

@@ -57,7 +57,6 @@ class ModbusClient {
   /// string.
   [[nodiscard]] std::string open();
   void close();
-  [[nodiscard]] bool is_open() const { return context_ != nullptr; }
   /// Of the serial port, as granted when it was opened last.
   [[nodiscard]] const serial::LowLatency& low_latency() const { return low_latency_; }
 

@@ -65,13 +65,6 @@ bool parse_data(std::string_view rest, can::CanFrame& frame) {
   return next_word(rest).empty();
 }
 
-enum class Type { kData, kRemote, kOther };
-
-Type type_of(std::string_view word, bool old) {
-  if (old) return word == "Rx" || word == "Tx" ? Type::kData : Type::kOther;
-  return word == "DT" ? Type::kData : word == "RR" ? Type::kRemote : Type::kOther;
-}
-
 }  // namespace
 
 void PcanTrace::on_keyword(std::string_view line) {
@@ -99,58 +92,76 @@ void PcanTrace::on_keyword(std::string_view line) {
   }
 }
 
+PcanTrace::Type PcanTrace::type_of(std::string_view word) const {
+  if (old_) return word == "Rx" || word == "Tx" ? Type::kData : Type::kOther;
+  return word == "DT" ? Type::kData : word == "RR" ? Type::kRemote : Type::kOther;
+}
+
+/// Without these columns nothing can be parsed.
+bool PcanTrace::has_needed_columns() const {
+  const auto has = [this](const char* any) { return columns_.find_first_of(any) != std::string::npos; };
+  return has("O") && has("I") && has("Ll") && columns_.back() == 'D' && (old_ || has("T"));
+}
+
+/// The length of the data. A length code above 8 of a classical frame is 8 bytes; a length above it is a J1939 message
+/// of several frames.
+std::optional<PcanTrace::Line::Kind> PcanTrace::read_length(char column, std::string_view word, Columns& read) {
+  const auto length = parse_number(word);
+  if (!length || *length < 0 || *length > kMaxLength || *length != std::floor(*length)) return Line::Kind::kRefused;
+  if (*length > 8 && (column == 'l' || read.addressed || *length > kMaxCode)) return Line::Kind::kOther;
+  read.line.frame.size = static_cast<std::uint8_t>(std::min(*length, 8.0));
+  return {};
+}
+
+/// Reads a column before the data. Returns the line's kind if that shows that it is no frame.
+std::optional<PcanTrace::Line::Kind> PcanTrace::read_column(char column, std::string_view word, Columns& read) const {
+  Line& line = read.line;
+  if (column == 'O') {
+    const auto offset = parse_decimal(word);
+    if (!offset || *offset < 0 || *offset > kMaxOffset) return Line::Kind::kRefused;
+    line.utime = start_ + std::llround(*offset * 1e3);
+  } else if (column == 'T') {
+    read.type = type_of(word);
+    if (read.type == Type::kOther) return Line::Kind::kOther;  // its columns differ
+  } else if (column == 'B') {
+    line.bus = word;
+  } else if (column == 'I') {
+    if (old_ && word == kStatusId) return Line::Kind::kOther;
+    if (!parse_id(word, line.frame)) return Line::Kind::kRefused;
+  } else if (column == 'R') {
+    read.addressed = word != "-";
+  } else if (column == 'L' || column == 'l') {
+    return read_length(column, word, read);
+  }
+  return {};
+}
+
+/// Reads what follows the other columns.
+PcanTrace::Line::Kind PcanTrace::read_data(std::string_view text, Columns& read) const {
+  std::string_view after = text;
+  const std::string_view first = next_word(after);
+  if (old_ && first == "ERROR") return Line::Kind::kOther;
+  read.line.frame.remote = read.type == Type::kRemote || (old_ && first == "RTR");
+  return read.line.frame.remote || parse_data(text, read.line.frame) ? Line::Kind::kFrame : Line::Kind::kRefused;
+}
+
 PcanTrace::Line PcanTrace::parse(std::string_view text) {
-  Line line;
+  Columns read;
+  const auto of_kind = [&read](Line::Kind kind) {
+    read.line.kind = kind;
+    return read.line;
+  };
   text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
   if (text.starts_with(";$")) on_keyword(text);
-  if (text.empty() || text[0] == ';') {
-    line.kind = Line::Kind::kComment;
-    return line;
-  }
-  if (columns_.find('O') == std::string::npos || columns_.find('I') == std::string::npos ||
-      columns_.find_first_of("Ll") == std::string::npos || columns_.back() != 'D' ||
-      (!old_ && columns_.find('T') == std::string::npos)) {
-    return line;  // without these nothing can be parsed
-  }
-  const auto of_kind = [&line](Line::Kind kind) {
-    line.kind = kind;
-    return line;
-  };
-  Type type = Type::kData;
-  bool addressed = false;  // J1939: to one address, and then of any length
-  std::string_view rest = text;
+  if (text.empty() || text[0] == ';') return of_kind(Line::Kind::kComment);
+  if (!has_needed_columns()) return of_kind(Line::Kind::kRefused);
   for (const char column : columns_) {
     if (column == 'D') break;
-    const std::string_view word = next_word(rest);
-    if (word.empty()) return line;
-    if (column == 'O') {
-      const auto offset = parse_decimal(word);
-      if (!offset || *offset < 0 || *offset > kMaxOffset) return line;
-      line.utime = start_ + std::llround(*offset * 1e3);
-    } else if (column == 'T') {
-      type = type_of(word, old_);
-      if (type == Type::kOther) return of_kind(Line::Kind::kOther);  // its columns differ
-    } else if (column == 'B') {
-      line.bus = word;
-    } else if (column == 'I') {
-      if (old_ && word == kStatusId) return of_kind(Line::Kind::kOther);
-      if (!parse_id(word, line.frame)) return line;
-    } else if (column == 'R') {
-      addressed = word != "-";
-    } else if (column == 'L' || column == 'l') {
-      const auto length = parse_number(word);
-      if (!length || *length < 0 || *length > kMaxLength || *length != std::floor(*length)) return line;
-      // A length code above 8 of a classical frame is 8 bytes; a length above it is a J1939 message of several frames.
-      if (*length > 8 && (column == 'l' || addressed || *length > kMaxCode)) return of_kind(Line::Kind::kOther);
-      line.frame.size = static_cast<std::uint8_t>(std::min(*length, 8.0));
-    }
+    const std::string_view word = next_word(text);
+    if (word.empty()) return of_kind(Line::Kind::kRefused);
+    if (const auto kind = read_column(column, word, read)) return of_kind(*kind);
   }
-  std::string_view after = rest;
-  const std::string_view first = next_word(after);
-  if (old_ && first == "ERROR") return of_kind(Line::Kind::kOther);
-  line.frame.remote = type == Type::kRemote || (old_ && first == "RTR");
-  if (!line.frame.remote && !parse_data(rest, line.frame)) return line;
-  return of_kind(Line::Kind::kFrame);
+  return of_kind(read_data(text, read));
 }
 
 }  // namespace curbstone::encoder::traces

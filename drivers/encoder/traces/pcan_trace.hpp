@@ -30,7 +30,19 @@ class PcanTrace {
   [[nodiscard]] const std::string& foreign_version() const { return foreign_version_; }
 
  private:
+  enum class Type { kData, kRemote, kOther };
+  /// A line while its columns are read.
+  struct Columns {
+    Line line;
+    Type type = Type::kData;
+    bool addressed = false;  // J1939: to one address, and then of any length
+  };
   void on_keyword(std::string_view line);
+  [[nodiscard]] Type type_of(std::string_view word) const;
+  [[nodiscard]] bool has_needed_columns() const;
+  [[nodiscard]] static std::optional<Line::Kind> read_length(char column, std::string_view word, Columns& read);
+  [[nodiscard]] std::optional<Line::Kind> read_column(char column, std::string_view word, Columns& read) const;
+  [[nodiscard]] Line::Kind read_data(std::string_view text, Columns& read) const;
 
   std::string columns_ = "NOILD";  ///< one letter each; those of version 1.0
   bool old_ = true;                ///< version 1.x: types are Rx, Tx; a remote frame says RTR

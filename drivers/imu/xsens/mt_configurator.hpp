@@ -39,7 +39,6 @@ class MtConfigurator {
   void on_usable_sample() { silence_.heard(); }
   void tick(std::int64_t now);
 
-  [[nodiscard]] bool measuring() const { return step_ == Step::kMeasuring; }
   /// The present fault in words; empty if there is none.
   [[nodiscard]] std::string fault() const;
   [[nodiscard]] const Counters& counters() const { return counters_; }

@@ -85,8 +85,6 @@ class Filter {
   [[nodiscard]] const std::optional<LeaptGyro>& gyro_leapt() const { return gyro_leapt_; }
   /// Whether the vertical part of the specific force is used.
   [[nodiscard]] const VerticalForce& vertical_force() const { return vertical_force_; }
-  /// Measured noise of the IMU.
-  [[nodiscard]] const inputs::ImuNoise& imu_noise() const { return imu_noise_; }
   [[nodiscard]] const model::Belief& belief() const { return belief_; }
   [[nodiscard]] const Counters& counters() const { return counters_; }
 

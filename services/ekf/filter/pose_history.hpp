@@ -34,7 +34,6 @@ class PoseHistory {
         static_cast<double>(utime - before->utime) / static_cast<double>(after->utime - before->utime);
     return interpolate(before->pose, after->pose, fraction);
   }
-  [[nodiscard]] std::size_t size() const { return entries_.size(); }
 
  private:
   struct Entry {

@@ -34,8 +34,6 @@ class RewindingFilter {
   void add(const Sample& sample, std::vector<model::Estimate>& out);
 
   [[nodiscard]] const Filter& filter() const { return filter_; }
-  /// T_odom_base as published, at any time of the last seconds.
-  [[nodiscard]] std::optional<Pose> pose_at(std::int64_t utime) const { return published_.at(utime); }
   [[nodiscard]] Counters counters() const;
 
  private:

@@ -1,8 +1,5 @@
 #include "services/ekf/filter/turned_imu.hpp"
 
-#include "services/ekf/filter/covariance_inflation.hpp"
-#include "services/ekf/filter/filter.hpp"
-
 namespace curbstone::ekf::filter {
 
 model::Belief with_turned_imu(model::Belief belief, double yaw, const Eigen::Vector3d& from, bool inertial) {
@@ -22,26 +19,6 @@ model::Belief with_turned_imu(model::Belief belief, double yaw, const Eigen::Vec
   const Eigen::Vector3d kept = turn * way - way;
   belief.covariance.block<3, 3>(model::kPosition, model::kPosition) += kept * kept.transpose();
   return belief;
-}
-
-/// The IMU's samples are turned by `to` (rad) from now on, as its mounting is found to have another yaw. During a
-/// launch the belief without the wheels is right but for that: they have been compared with another axis.
-void Filter::turn_imu(double to) {
-  counters_.add("imu_turned");
-  const Pose before = model::base_pose(belief_.mean, geometry_);
-  const Eigen::Vector3d position = belief_.mean.position;
-  const bool inertial = launch_ || wheels_rejected_ || watch_.all_faulty();
-  const double yaw = to - belief_.imu_turn;
-  belief_ = with_turned_imu(launch_ ? launch_->belief() : belief_, yaw, set_off_from_, inertial);
-  belief_.imu_turn = to;
-  belief_.mean.position = position;
-  if (!inertial) inflate_motion_covariance(belief_, belief_.mean.velocity.norm(), config_->start);
-  detection::reset_wheel_scale(belief_, config_->wheels);
-  detection::reset_axle(belief_, config_->wheels);
-  smoother_.corrected(before, model::base_pose(belief_.mean, geometry_));
-  mechanisation_.reset();
-  watch_ = wheel_faults::WheelWatch(config_->slip, config_->vehicle.track_width);
-  restart_comparisons();
 }
 
 }  // namespace curbstone::ekf::filter

@@ -33,14 +33,14 @@ void ImuNoise::add(const base::ImuSample& sample) {
   last_ = sample;
 }
 
-void ImuNoise::learn(Axes& axes, const Eigen::Vector3d& second_difference, double share, bool bounded) {
+void ImuNoise::learn(Eigen::Array3d& variance, const Eigen::Vector3d& second_difference, double share, bool bounded) {
   Eigen::Array3d square = second_difference.array().square() / 6.0;
-  if (bounded) square = square.min(kMaxSigmas * kMaxSigmas * axes.square.max(kFloor * kFloor));
-  axes.square += share * (square - axes.square);
+  if (bounded) square = square.min(kMaxSigmas * kMaxSigmas * variance.max(kFloor * kFloor));
+  variance += share * (square - variance);
 }
 
-double ImuNoise::density_of(const Axes& axes) const {
-  return learnt_ < kMinSamples ? 0.0 : std::sqrt(axes.square.mean() * step_);
+double ImuNoise::density_of(const Eigen::Array3d& variance) const {
+  return learnt_ < kMinSamples ? 0.0 : std::sqrt(variance.mean() * step_);
 }
 
 base::NoiseConfig ImuNoise::applied_to(const base::NoiseConfig& configured) const {

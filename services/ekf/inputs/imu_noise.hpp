@@ -38,18 +38,16 @@ class ImuNoise {
 
  private:
   static constexpr int kMinSamples = 30;
-  /// Mean squares of gyro or accelerometer, by axis.
-  struct Axes {
-    Eigen::Array3d square = Eigen::Array3d::Zero();
-  };
-  static void learn(Axes& axes, const Eigen::Vector3d& second_difference, double share, bool bounded);
-  [[nodiscard]] double density_of(const Axes& axes) const;
+  static void learn(Eigen::Array3d& variance, const Eigen::Vector3d& second_difference, double share, bool bounded);
+  [[nodiscard]] double density_of(const Eigen::Array3d& variance) const;
 
   base::ImuSample before_, last_;
   int known_ = 0;    // samples in a row, at most 2
   int learnt_ = 0;   // differences, at most kMinSamples
   double step_ = 0;  // s between samples
-  Axes gyro_, accelerometer_;
+  // Variances of a sample, by axis: rad^2/s^2, m^2/s^4.
+  Eigen::Array3d gyro_ = Eigen::Array3d::Zero();
+  Eigen::Array3d accelerometer_ = Eigen::Array3d::Zero();
 };
 
 }  // namespace curbstone::ekf::inputs

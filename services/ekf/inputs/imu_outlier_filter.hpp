@@ -24,9 +24,8 @@ class ImuOutlierFilter {
   static constexpr std::int64_t kMaxGap = 100'000;  ///< us, longest gap between samples that can be compared
   static constexpr double kMemory = 1.0;            ///< s, over which the usual change is averaged
 
-  /// Adds the next sample. Returns the samples to process, in order: none while the sample may be isolated; up to
-  /// kMaxIsolated
-  /// + 1 when held samples are released. Valid until the next call.
+  /// Adds the next sample. Returns the samples to process, in order: none while the sample may be isolated; those that
+  /// were held, too, when they are released. Valid until the next call.
   const std::vector<base::ImuSample>& add(const base::ImuSample& sample);
   /// Number of isolated samples since the start.
   [[nodiscard]] std::int64_t refused() const { return refused_; }

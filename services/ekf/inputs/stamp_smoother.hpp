@@ -26,8 +26,6 @@ class StampSmoother {
   /// Takes the next sample's stamp and the device's sequence number, which shows how many samples were lost; a number
   /// that does not continue is ignored. Returns the time of sampling.
   [[nodiscard]] std::int64_t add(std::int64_t stamp, std::int32_t sequence);
-  /// Whether stamps are being changed.
-  [[nodiscard]] bool active() const { return active_; }
 
  private:
   struct Point {
@@ -49,7 +47,7 @@ class StampSmoother {
   std::int64_t learnt_at_ = 0;  // sample number
   int outliers_ = 0;            // consecutive stamps far from those before
   double period_ = 0.0;         // us; 0: not known yet
-  bool active_ = false;
+  bool active_ = false;         // stamps are being changed
 };
 
 }  // namespace curbstone::ekf::inputs

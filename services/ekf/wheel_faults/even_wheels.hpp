@@ -18,14 +18,13 @@ namespace curbstone::ekf::wheel_faults {
 /// Requires counters of 2048 steps or more; stamp jitter and coarser counts hide the effect. Pure; one thread.
 class EvenWheels {
  public:
-  static constexpr double kMinDuration = 1.5;   ///< s, minimum duration of even turning
-  static constexpr double kMaxDuration = 15.0;  ///< s, of which are remembered
-  static constexpr double kMaxDeviation =
-      8e-4;  ///< m, maximum distance of the travel from a straight line: three counter steps
-  static constexpr double kMinSpeed = 0.3;   ///< m/s, minimum speed of both wheels
-  static constexpr double kMinChange = 0.5;  ///< m/s, minimum change of the IMU's speed
-  static constexpr double kDrift = 0.04;     ///< m/s^2, drift of the IMU's speed that is allowed in addition
-  static constexpr double kSettled = 0.15;   ///< m/s^2, maximum difference between its first and its last acceleration
+  static constexpr double kMinDuration = 1.5;    ///< s, minimum duration of even turning
+  static constexpr double kMaxDuration = 15.0;   ///< s, the newest of which are compared
+  static constexpr double kMaxDeviation = 8e-4;  ///< m, of the travel from a straight line: three counter steps
+  static constexpr double kMinSpeed = 0.3;       ///< m/s, minimum speed of both wheels
+  static constexpr double kMinChange = 0.5;      ///< m/s, minimum change of the IMU's speed
+  static constexpr double kDrift = 0.04;         ///< m/s^2, drift of the IMU's speed that is allowed in addition
+  static constexpr double kSettled = 0.15;  ///< m/s^2, maximum difference between its first and its last acceleration
 
   /// Adds the next interval. If it does not begin at the last one's end, everything restarts. `inertial_speed`: m/s,
   /// integrated from the IMU alone from an arbitrary zero, mean over the interval; `noise`: m/s^2/sqrt(Hz), its noise

@@ -68,9 +68,9 @@ class WheelDispute {
   RecentSpeeds::Leap leap_;
   std::int64_t begin_, end_;       // us
   std::array<bool, 2> trusted_{};  // the wheels
-  std::array<Segments, 2>
-      segments_{};      // by wheel, of the patience; later: [0] all before it, the others the newest one
-  int extensions_ = 0;  // number of patiences without a decision
+  // By wheel: the patience in equal parts. After an extension [0] is all before it, and the others are the newest one.
+  std::array<Segments, 2> segments_{};
+  int extensions_ = 0;                      // number of patiences without a decision
   std::optional<double> first_difference_;  // m/s, wheels minus filter, at the beginning
   double expected_speed_ = 0.0;             // m/s
 };

@@ -26,7 +26,7 @@ Motion OdometryScale::corrected(const Motion& motion) const {
   return corrected;
 }
 
-void OdometryScale::predict(const PoseBelief& before, const Motion& motion, PoseBelief& predicted) {
+PoseBelief OdometryScale::predict(const PoseBelief& before, const Motion& motion, PoseBelief predicted) {
   const Eigen::Vector3d way = motion.T_last_base.translation();
   variance_ = std::min(variance_ + kWalk * kWalk * way.norm(), kSigma * kSigma);
   const Vector6 carried = motion_jacobian(before.T_map_base, motion) * with_pose_;
@@ -37,8 +37,11 @@ void OdometryScale::predict(const PoseBelief& before, const Motion& motion, Pose
   with_pose_ = carried + variance_ * by_scale;
   // A lost pose's covariance is bounded, which the correlation has to follow.
   const double shared = with_pose_.dot(inverse(predicted.covariance) * with_pose_);
-  if (!std::isfinite(shared)) return forget_pose();
-  if (shared > kMostCorrelated * variance_) with_pose_ *= std::sqrt(kMostCorrelated * variance_ / shared);
+  if (!std::isfinite(shared))
+    forget_pose();
+  else if (shared > kMostCorrelated * variance_)
+    with_pose_ *= std::sqrt(kMostCorrelated * variance_ / shared);
+  return predicted;
 }
 
 void OdometryScale::update(const PoseBelief& predicted, const PoseBelief& corrected) {

@@ -13,8 +13,8 @@ class OdometryScale {
  public:
   /// The motion by the scale known so far.
   [[nodiscard]] Motion corrected(const Motion& motion) const;
-  /// Adds the error of the scale to the predicted pose. `motion`: as corrected.
-  void predict(const PoseBelief& before, const Motion& motion, PoseBelief& predicted);
+  /// Returns `predicted`, the belief `before` moved by `motion` (as corrected), with the error of the scale added.
+  [[nodiscard]] PoseBelief predict(const PoseBelief& before, const Motion& motion, PoseBelief predicted);
   /// Learns from the correction of a predicted pose.
   void update(const PoseBelief& predicted, const PoseBelief& corrected);
   /// The pose is another one, by no motion.

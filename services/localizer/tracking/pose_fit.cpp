@@ -52,6 +52,7 @@ Vector6 derivative(const Eigen::Vector3d& direction, const Eigen::Matrix3d& R, c
   return J;
 }
 
+/// What the points of a revolution tell about one pose, and how many of them match the map there.
 class PointSums {
  public:
   PointSums(const Pose& T_map_base, fields::SavedMap& map, const TrackingConfig& config)

@@ -42,8 +42,7 @@ double Tracker::independent_share(const Motion& motion) const {
 
 PoseFit Tracker::track(const ThinnedScan& scan, const Motion& motion, fields::SavedMap& map) {
   const Motion corrected = scale_.corrected(motion);
-  PoseBelief prior = predicted(belief_, corrected, config_);
-  scale_.predict(belief_, corrected, prior);
+  const PoseBelief prior = scale_.predict(belief_, corrected, predicted(belief_, corrected, config_));
   belief_ = prior;
   if (!motion.with_odometry && motion.seconds > kBlindFor) {
     lost_ = true;
@@ -63,17 +62,20 @@ PoseFit Tracker::track(const ThinnedScan& scan, const Motion& motion, fields::Sa
   corrections_ = is_used ? corrections_ + 1 : 0;
   fit.belief = belief_;
   judge(fit);
-  check_alternatives(scan, fit, map);
-  return fit;
+  const std::optional<PoseFit> better = better_nearby(fit, scan, map);
+  if (!better) return fit;
+  continue_from(*better);
+  return *better;
 }
 
-void Tracker::check_alternatives(const ThinnedScan& scan, PoseFit& fit, fields::SavedMap& map) {
+std::optional<PoseFit> Tracker::better_nearby(const PoseFit& own, const ThinnedScan& scan, fields::SavedMap& map) {
   revolution_ = (revolution_ + 1) % kRevolutions;
   const int places = lost_ ? kPlacesWhenLost : revolution_ == 0 ? 1 : 0;
-  const auto better = alternatives_.better_than(fit, scan, places, map, config_);
-  if (!better) return;
-  fit = *better;
-  belief_ = fit.belief;
+  return alternatives_.better_than(own, scan, places, map, config_);
+}
+
+void Tracker::continue_from(const PoseFit& elsewhere) {
+  belief_ = elsewhere.belief;
   lost_ = true;
   fitting_ = 0;
   alternatives_.restart();

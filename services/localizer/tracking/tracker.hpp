@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "services/localizer/tracking/nearby_alternatives.hpp"
@@ -30,7 +31,10 @@ class Tracker final : public PoseTracker {
   /// errors look the same, so the covariance of a standing vehicle must not shrink further.
   [[nodiscard]] double independent_share(const Motion& motion) const;
   void judge(const PoseFit& fit);
-  void check_alternatives(const ThinnedScan& scan, PoseFit& fit, fields::SavedMap& map);
+  /// The fit at a place nearby, if it is clearly better than `own`.
+  [[nodiscard]] std::optional<PoseFit> better_nearby(const PoseFit& own, const ThinnedScan& scan,
+                                                     fields::SavedMap& map);
+  void continue_from(const PoseFit& elsewhere);
 
   TrackingConfig config_;
   PoseBelief belief_;

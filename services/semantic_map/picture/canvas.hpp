@@ -18,13 +18,11 @@ struct Colour {
 /// exact colour; lines and text are anti-aliased.
 class Canvas {
  public:
-  /// At most kMaxSide pixels a side.
+  /// At most 32767 pixels a side, which is Cairo's limit.
   Canvas(int width, int height, Colour background);
   ~Canvas();
   Canvas(Canvas&& other) noexcept;
   Canvas& operator=(Canvas&& other) noexcept;
-
-  static constexpr int kMaxSide = 32767;
 
   [[nodiscard]] int width() const;
   [[nodiscard]] int height() const;

@@ -92,6 +92,54 @@ TEST(TileSync, APromisedTileIsExpectedAndAskedForOnceSomeOfItIsThere) {
   EXPECT_EQ(follower.behind(), 0U);
 }
 
+/// A request of the tiles (0, 0), (1, 0), ... by a listener that has the version `have` of each.
+tile_request_t request_of(std::int32_t tiles, std::int32_t have) {
+  tile_request_t request{};
+  request.channel = "C";
+  request.epoch = 1;
+  request.num_tiles = tiles;
+  for (std::int32_t x = 0; x < tiles; ++x) {
+    request.tile_x.push_back(x);
+    request.tile_y.push_back(0);
+    request.have.push_back(have);
+  }
+  return request;
+}
+
+TEST(TileCatalog, SendsWhatTheRequesterLacksThatHasLeast) {
+  TileCatalog catalog("m", "C");
+  catalog.start_epoch(1);
+  catalog.set_version({0, 0}, 9);
+  for (const std::int32_t have : {7, 3, 5}) catalog.request(request_of(1, have));
+  const auto wanted = catalog.take_requests(9);
+  ASSERT_EQ(wanted.size(), 1U);
+  EXPECT_EQ(wanted[0].have, 3);
+}
+
+TEST(TileCatalog, SendsNothingThatTheRequesterHasOrThatIsRemovedMeanwhile) {
+  TileCatalog catalog("m", "C");
+  catalog.start_epoch(1);
+  catalog.set_version({0, 0}, 9);
+  catalog.request(request_of(1, 9));
+  EXPECT_TRUE(catalog.take_requests(9).empty());
+  catalog.request(request_of(1, 8));
+  catalog.remove({0, 0});
+  EXPECT_TRUE(catalog.take_requests(9).empty());
+  EXPECT_EQ(catalog.num_requested(), 0U);
+}
+
+TEST(TileCatalog, KeepsABoundedNumberOfRequests) {
+  constexpr auto kMost = static_cast<std::int32_t>(TileCatalog::kMaxWaiting);
+  TileCatalog catalog("m", "C");
+  catalog.start_epoch(1);
+  for (std::int32_t x = 0; x < kMost + 5; ++x) catalog.set_version({x, 0}, 1);
+  catalog.request(request_of(kMost + 5, 0));
+  EXPECT_EQ(catalog.num_requested(), TileCatalog::kMaxWaiting);
+  EXPECT_EQ(catalog.take_requests(TileCatalog::kMaxWaiting + 5).size(), TileCatalog::kMaxWaiting);
+  catalog.request(request_of(kMost + 5, 0));
+  EXPECT_EQ(catalog.num_requested(), TileCatalog::kMaxWaiting) << "there is room again";
+}
+
 TEST(TileFollower, AsksAtOnceForWhatItCannotGoOnFrom) {
   TileFollower follower("map", "VOTED_POINTS");
   follower.start_epoch(1);
@@ -103,6 +151,18 @@ TEST(TileFollower, AsksAtOnceForWhatItCannotGoOnFrom) {
   EXPECT_EQ(follower.make_request(5'100'000).num_tiles, 0) << "and not again within a second";
   follower.set_have({2, 3}, 12);
   EXPECT_EQ(follower.behind(), 0U);
+}
+
+TEST(TileFollower, DoesNotWaitForATileThatWasJustAnnouncedAndCannotBeGoneOnFrom) {
+  TileCatalog catalog("mapper", "MAP_POINTS");
+  catalog.start_epoch(1);
+  catalog.set_version({2, 3}, 12);
+  TileFollower follower("voter", "MAP_POINTS");
+  follower.start_epoch(1);
+  for (const auto& page : catalog.make_index(5'000'000, 0, 0)) EXPECT_TRUE(follower.announced(page));
+  EXPECT_EQ(follower.make_request(5'100'000).num_tiles, 0) << "it is probably on its way";
+  follower.lacks({2, 3}, 12);
+  EXPECT_EQ(follower.make_request(5'100'000).num_tiles, 1);
 }
 
 TEST(TileFollower, AsksWhenTheClockIsSetBackToo) {

@@ -69,7 +69,7 @@ TEST_P(BadInput, ScansAreMissing) {
   }
 }
 
-TEST_P(BadInput, HalfAScan) {
+TEST_P(BadInput, HalfAScanIsRegisteredAsWell) {
   for (int i = 0; i < 4; ++i) {
     scan::Scan half = drive_.next();
     const auto middle = half.points.begin() + static_cast<std::ptrdiff_t>(half.points.size() / 2);
@@ -93,7 +93,7 @@ TEST_P(BadInput, AllReturnsAtZero) {
   expect_to_go_on();
 }
 
-TEST_P(BadInput, NotNumbers) {
+TEST_P(BadInput, PointsThatAreNotNumbersAreLeftOut) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   scan::Scan some = drive_.next();

@@ -75,29 +75,24 @@ std::vector<double> distances(const std::vector<Pose>& path) {
   return driven;
 }
 
-}  // namespace
-
-TrajectoryErrors trajectory_errors(const PosePairs& pairs) {
-  TrajectoryErrors errors;
-  const std::size_t n = pairs.truth.size();
-  if (n < 2) return errors;
-  const std::vector<double> driven = distances(pairs.truth);
-  errors.distance_m = driven.back();
-
+double absolute_error(const PosePairs& pairs) {
   const Pose T_truth_estimate = align(pairs);
   double squares = 0;
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < pairs.truth.size(); ++i) {
     squares += (T_truth_estimate * pairs.estimate[i].translation() - pairs.truth[i].translation()).squaredNorm();
   }
-  errors.ate_m = std::sqrt(squares / static_cast<double>(n));
+  return std::sqrt(squares / static_cast<double>(pairs.truth.size()));
+}
 
+/// Sets the errors of the sub-paths, KITTI's metric. `driven`: m, up to each pose.
+void set_relative_errors(const PosePairs& pairs, const std::vector<double>& driven, TrajectoryErrors& errors) {
   std::vector<double> lengths = {10, 20, 30, 40, 50, 60};
-  std::erase_if(lengths, [&](double length) { return length > errors.distance_m; });
-  if (lengths.empty()) lengths = {errors.distance_m / 2};
+  std::erase_if(lengths, [&](double length) { return length > driven.back(); });
+  if (lengths.empty()) lengths = {driven.back() / 2};
   double translation = 0;
   double rotation = 0;
   double next_start = 0;
-  for (std::size_t first = 0; first < n; ++first) {
+  for (std::size_t first = 0; first < driven.size(); ++first) {
     if (driven[first] < next_start) continue;
     next_start = driven[first] + 1.0;
     for (const double length : lengths) {
@@ -112,10 +107,20 @@ TrajectoryErrors trajectory_errors(const PosePairs& pairs) {
       ++errors.segments;
     }
   }
-  if (errors.segments > 0) {
-    errors.rpe_percent = 100.0 * translation / errors.segments;
-    errors.rpe_deg_per_m = rotation / errors.segments * 180.0 / std::numbers::pi;
-  }
+  if (errors.segments == 0) return;
+  errors.rpe_percent = 100.0 * translation / errors.segments;
+  errors.rpe_deg_per_m = rotation / errors.segments * 180.0 / std::numbers::pi;
+}
+
+}  // namespace
+
+TrajectoryErrors trajectory_errors(const PosePairs& pairs) {
+  TrajectoryErrors errors;
+  if (pairs.truth.size() < 2) return errors;
+  const std::vector<double> driven = distances(pairs.truth);
+  errors.distance_m = driven.back();
+  errors.ate_m = absolute_error(pairs);
+  set_relative_errors(pairs, driven, errors);
   if (errors.distance_m > 0) {
     const Pose end = pairs.truth.front() * pairs.estimate.front().inverse() * pairs.estimate.back();
     errors.end_percent = 100.0 * (end.translation() - pairs.truth.back().translation()).norm() / errors.distance_m;

@@ -27,8 +27,6 @@ class SlcanEmulator {
   /// Error flags, kept until the host reads them: encoder::can::SlcanFlag.
   void set_flags(std::uint8_t flags) { flags_ = flags; }
 
-  [[nodiscard]] bool is_open() const { return open_; }
-
  private:
   void on_line(Result& result);
 

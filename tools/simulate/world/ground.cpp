@@ -98,21 +98,23 @@ Surface Ground::surface_of(const GroundVertex& node) const {
   return node.pavement - node.curb > 0.03F ? Surface::kPavement : Surface::kGrass;
 }
 
-float Ground::cast(float x, float y, float z, float dx, float dy, float dz, float reach) const {
-  // Bounds on the ground's slope, zone by zone across the street. The distance to the next zone bounds the step,
-  // because the distance to a curb changes by at most one metre per metre.
-  struct Zone {
-    float from, to, slope;
-  };
+std::array<Ground::Zone, 5> Ground::zones() const {
   const auto face = static_cast<float>(profile_.face), ramp = static_cast<float>(profile_.ramp);
   const auto pavement = static_cast<float>(profile_.pavement);
+  const auto slope = static_cast<float>(profile_.steepness + kCrossfall);
+  return {{{-1e9F, 0.0F, slope + 0.02F},
+           {0.0F, face, 14.0F},
+           {face, ramp, slope + 0.19F},
+           {ramp, pavement, slope},
+           {pavement, 1e9F, std::max(0.8F, kTuftSlope * static_cast<float>(profile_.tufts))}}};
+}
+
+float Ground::cast(float x, float y, float z, float dx, float dy, float dz, float reach) const {
+  // The distance to the next zone bounds the step, because the distance to a curb changes by at most one metre per
+  // metre.
+  const std::array<Zone, 5> zones = this->zones();
   const auto tufts = static_cast<float>(profile_.tufts);
   const auto slope = static_cast<float>(profile_.steepness + kCrossfall);
-  const Zone zones[] = {{-1e9F, 0.0F, slope + 0.02F},
-                        {0.0F, face, 14.0F},
-                        {face, ramp, slope + 0.19F},
-                        {ramp, pavement, slope},
-                        {pavement, 1e9F, std::max(0.8F, kTuftSlope * tufts)}};
   const float x_end = static_cast<float>(x_of(width_ - 1)), y_end = static_cast<float>(y_of(height_ - 1));
   const float descent = -dz;
 
@@ -129,11 +131,11 @@ float Ground::cast(float x, float y, float z, float dx, float dy, float dz, floa
     const float smooth_gap = z + u * dz - height_of(node);
     // This far above the ground neither a curb nor a lawn can be hit.
     const float over_all = (smooth_gap - kLargestStep) / std::max(1e-3F, descent + slope);
-    int k = 0;
+    std::size_t k = 0;
     while (node.distance > zones[k].to) ++k;
     const Zone& zone = zones[k];
     const float to_next = std::min(node.distance - zone.from, zone.to - node.distance) + 2e-3F;
-    const bool on_lawn = k == 4;
+    const bool on_lawn = k == zones.size() - 1;
     float within = 0.0F;
     if (on_lawn && smooth_gap > 1.5F * tufts) {
       within = (smooth_gap - tufts) / std::max(1e-3F, descent + slope);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -83,6 +84,11 @@ class Ground {
   void finish();
 
  private:
+  /// A strip along the street, by its distance to the curb, m, with a bound on the ground's slope in it.
+  struct Zone {
+    float from, to, slope;
+  };
+  [[nodiscard]] std::array<Zone, 5> zones() const;
   [[nodiscard]] std::size_t index(int ix, int iy) const {
     return static_cast<std::size_t>(iy) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(ix);
   }

@@ -89,6 +89,24 @@ const std::shared_ptr<const decoding::PointRules>& HeliosDecoder::rules_in(doubl
   return rules_;
 }
 
+HeliosDecoder::Firings HeliosDecoder::firings() const {
+  const bool sixteen = variant_.lasers == kRecords / 2;
+  const std::size_t blocks = dual_return_ && !sixteen ? 2 : 1;
+  const std::size_t sequences = sixteen && !dual_return_ ? 2 : 1;
+  return {blocks, kBlocksPerPacket / blocks, static_cast<double>(sequences) * kSequencePeriod};
+}
+
+/// The returns of a firing, without those that are repeated.
+std::array<decoding::BlockRecords, 2> HeliosDecoder::returns_of(std::span<const MsopBlock> blocks) const {
+  std::array<decoding::BlockRecords, 2> returns;
+  for (std::size_t i = 0; i < blocks.size(); ++i) returns[i] = decoding::records_of(blocks[i].records);
+  if (has_returns_in_halves())
+    leave_out_repeats(returns[0], returns[0], variant_.lasers);
+  else if (dual_return_)
+    leave_out_repeats(returns[0], returns[1], 0);
+  return returns;
+}
+
 Refusal HeliosDecoder::decode(std::span<const std::uint8_t> bytes, decoding::DecodedPacket& packet) {
   if (bytes.size() != sizeof(MsopPacket)) return Refusal::kLength;
   MsopPacket msop;
@@ -97,37 +115,27 @@ Refusal HeliosDecoder::decode(std::span<const std::uint8_t> bytes, decoding::Dec
   if (!unit_is_credible(msop.distance_unit)) return Refusal::kBlock;
   const double distance_step = distance_step_.value_or(*unit_ == MsopPacket::k2_5mm ? 0.0025 : 0.005);
 
-  // A firing: the blocks with the same azimuth, and the sequences in a block.
-  const bool sixteen = variant_.lasers == kRecords / 2;
-  const std::size_t blocks_a_firing = dual_return_ && !sixteen ? 2 : 1;
-  const std::size_t sequences = sixteen && !dual_return_ ? 2 : 1;
-  const std::size_t firings = kBlocksPerPacket / blocks_a_firing;
-  const double period = static_cast<double>(sequences) * kSequencePeriod;
+  const auto [blocks, count, period] = firings();
   Azimuths azimuths{};
-  if (!read_azimuths(msop, blocks_a_firing, azimuths)) return Refusal::kAzimuth;
+  if (!read_azimuths(msop, blocks, azimuths)) return Refusal::kAzimuth;
   std::array<decoding::BlockSpan, kBlocksPerPacket> spans;
   const decoding::BlockSteps steps =
-      decoding::block_steps(std::span(azimuths).first(firings), blind_zone_, period, spans);
+      decoding::block_steps(std::span(azimuths).first(count), blind_zone_, period, spans);
 
   packet.begin();
   packet.stamp = stamp_of(msop);
   if (packet.stamp) blind_zone_.next_stamp(*packet.stamp);
   if (!steps.steady) {
-    decoding::suspect_blind_zone(steps, packet.stamp, firings, period, blind_zone_);
+    decoding::suspect_blind_zone(steps, packet.stamp, count, period, blind_zone_);
     return Refusal::kAzimuth;
   }
   packet.azimuth = azimuths[0];
   packet.rate = steps.mean / period;
-  packet.duration = spans[firings - 1].start + period;
+  packet.duration = spans[count - 1].start + period;
   decoding::PointWriter writer(rules_in(distance_step), packet);
-  for (std::size_t f = 0; f < firings; ++f) {
-    std::array<decoding::BlockRecords, 2> returns;
-    for (std::size_t i = 0; i < blocks_a_firing; ++i)
-      returns[i] = decoding::records_of(msop.blocks[f * blocks_a_firing + i].records);
-    if (dual_return_ && sixteen) leave_out_repeats(returns[0], returns[0], variant_.lasers);
-    if (dual_return_ && !sixteen) leave_out_repeats(returns[0], returns[1], 0);
-    writer.add({azimuths[f], 0.01 * spans[f].angle / period, spans[f].start},
-               std::span(returns).first(blocks_a_firing));
+  for (std::size_t f = 0; f < count; ++f) {
+    const auto returns = returns_of(std::span(msop.blocks).subspan(f * blocks, blocks));
+    writer.add({azimuths[f], 0.01 * spans[f].angle / period, spans[f].start}, std::span(returns).first(blocks));
   }
   writer.finish();
   return Refusal::kNone;

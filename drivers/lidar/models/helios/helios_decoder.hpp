@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "drivers/lidar/decoding/refusal.hpp"
 #include "drivers/lidar/models/helios/device_info.hpp"
 #include "drivers/lidar/models/helios/helios.hpp"
+#include "drivers/lidar/models/helios/msop_packet.hpp"
 
 namespace curbstone::lidar::models::helios {
 
@@ -29,6 +31,15 @@ class HeliosDecoder {
   [[nodiscard]] decoding::Refusal decode(std::span<const std::uint8_t> bytes, decoding::DecodedPacket& packet);
 
  private:
+  /// How the blocks of a packet make firings: the blocks with the same azimuth, and the sequences in a block.
+  struct Firings {
+    std::size_t blocks;  ///< of a firing
+    std::size_t count;   ///< in a packet
+    double period;       ///< s
+  };
+  [[nodiscard]] Firings firings() const;
+  [[nodiscard]] bool has_returns_in_halves() const { return dual_return_ && variant_.lasers == kRecords / 2; }
+  [[nodiscard]] std::array<decoding::BlockRecords, 2> returns_of(std::span<const MsopBlock> blocks) const;
   [[nodiscard]] bool unit_is_credible(std::uint8_t unit);
   /// `distance_step`: m.
   [[nodiscard]] const std::shared_ptr<const decoding::PointRules>& rules_in(double distance_step);

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "common/bus/levels.hpp"
+#include "drivers/lidar/models/robosense/field_of_view.hpp"
 #include "drivers/lidar/models/robosense/magic.hpp"
 
 namespace curbstone::lidar::models::helios {
@@ -81,8 +82,7 @@ void HeliosModel::use(DeviceInfo info) {
 
 void HeliosModel::report_info(const DeviceInfo& info, const DeviceStatus& status) {
   facts_.reported = true;
-  const int fires = ((info.fov_end - info.fov_start) % 36000 + 36000) % 36000;
-  facts_.field_of_view = fires == 0 ? 360.0 : fires * 0.01;
+  facts_.field_of_view = robosense::field_of_view(info.fov_start, info.fov_end);
   facts_.values = {};
   set_level(facts_.values, "device.rpm_set", info.rpm);
   set_level(facts_.values, "device.rpm", status.rpm);
@@ -92,10 +92,7 @@ void HeliosModel::report_info(const DeviceInfo& info, const DeviceStatus& status
   set_level(facts_.values, "device.sync_status", status.sync_status);
   set_level(facts_.values, "device.dual_return", info.dual_return ? 1 : 0);
   facts_.faults.clear();
-  if (speed_.is_wrong(info.rpm, status.rpm))
-    facts_.faults.push_back(fmt::format(
-        "the head turns at {} rpm and not at the {} that are set: is the device blocked, cold, or about to fail?",
-        status.rpm, info.rpm));
+  if (const auto fault = speed_.check(info.rpm, status.rpm)) facts_.faults.push_back(*fault);
   facts_.identity = identity_.value().value_or(Identity{});
   report(facts_.identity, facts_.values);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <cstdlib>
+#include <optional>
+#include <string>
 
 namespace curbstone::lidar::models::robosense {
 
@@ -8,14 +9,8 @@ namespace curbstone::lidar::models::robosense {
 /// one may be damaged.
 class SpeedWatch {
  public:
-  /// rpm; 0: not reported, as by old firmware.
-  [[nodiscard]] bool is_wrong(int set, int measured) {
-    constexpr int kTolerance = 20;  // a part of this many
-    const bool differs = measured != 0 && set != 0 && kTolerance * std::abs(measured - set) > set;
-    const bool twice = differs && differed_;
-    differed_ = differs;
-    return twice;
-  }
+  /// Returns the fault in words. rpm; 0: not reported, as by old firmware.
+  [[nodiscard]] std::optional<std::string> check(int set, int measured);
 
  private:
   bool differed_ = false;

@@ -18,7 +18,6 @@ inline constexpr int kSequencesPerBlock = 2;        ///< single return
 inline constexpr int kBlocksPerPacket = 12;
 inline constexpr int kSequencesPerPacket = kSequencesPerBlock * kBlocksPerPacket;
 inline constexpr double kBlockPeriod = kSequencesPerBlock * kSequencePeriod;
-inline constexpr double kPacketPeriod = kSequencesPerPacket * kSequencePeriod;  ///< s, 1332 us exactly
 
 /// Intervals of the shots.
 struct FiringTimes {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/bus/levels.hpp"
+#include "drivers/lidar/models/robosense/field_of_view.hpp"
 
 namespace curbstone::lidar::models::rs16 {
 
@@ -74,8 +75,7 @@ DeviceInfo Rs16Model::with_settings(DeviceInfo info) const {
 
 void Rs16Model::report_info(const DeviceInfo& info, const DeviceStatus& status) {
   facts_.reported = true;
-  const int fires = ((info.fov_end - info.fov_start) % 36000 + 36000) % 36000;
-  facts_.field_of_view = fires == 0 ? 360.0 : fires * 0.01;
+  facts_.field_of_view = robosense::field_of_view(info.fov_start, info.fov_end);
   facts_.angles_known = info.calibrated || !settings_.angles.empty();
   facts_.values = {};
   set_level(facts_.values, "device.rpm_set", info.rpm);
@@ -93,10 +93,7 @@ void Rs16Model::report_info(const DeviceInfo& info, const DeviceStatus& status) 
   for (std::size_t i = 0; i < kTemperatures.size(); ++i)
     set_level(facts_.values, kTemperatures[i], std::lround(status.temperatures[i] * 1000));
   facts_.faults.clear();
-  if (speed_.is_wrong(info.rpm, status.rpm))
-    facts_.faults.push_back(fmt::format(
-        "the head turns at {} rpm and not at the {} that are set: is the device blocked, cold, or about to fail?",
-        status.rpm, info.rpm));
+  if (const auto fault = speed_.check(info.rpm, status.rpm)) facts_.faults.push_back(*fault);
   facts_.identity = identity_.value().value_or(Identity{});
   report(facts_.identity, facts_.values);
 }

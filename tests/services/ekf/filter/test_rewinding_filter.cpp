@@ -195,22 +195,5 @@ TEST_F(Rewinding, TakesAMapIncrementAtItsOwnTimeAndLearnsTheWheelsScale) {
   EXPECT_LT(late_error[1], 0.001 * drive.distance);
 }
 
-TEST_F(Rewinding, GivesPosesBetweenItsSamples) {
-  std::vector<model::Estimate> out;
-  RewindingFilter filter(config_);
-  for (std::size_t i = 0; i < 1000; ++i) {
-    filter.add(drive_.wheels[i], out);
-    filter.add(drive_.imu[i], out);
-  }
-  const std::size_t k = out.size() - 100;
-  const std::int64_t middle = (out[k].utime + out[k + 1].utime) / 2;
-  ASSERT_TRUE(filter.pose_at(middle));
-  const Eigen::Vector3d expected = 0.5 * (out[k].T_odom_base.translation() + out[k + 1].T_odom_base.translation());
-  EXPECT_LT((filter.pose_at(middle)->translation() - expected).norm(), 1e-9);
-  EXPECT_EQ(filter.pose_at(out[k].utime)->matrix(), out[k].T_odom_base.matrix());
-  EXPECT_FALSE(filter.pose_at(out.back().utime + 1));
-  EXPECT_FALSE(filter.pose_at(out.front().utime - 1));
-}
-
 }  // namespace
 }  // namespace curbstone::ekf::filter

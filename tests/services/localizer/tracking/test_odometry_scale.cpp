@@ -25,8 +25,7 @@ class StraightDrive {
     odometry.seconds = 0.05;
     truth_ += kStep * (1 + scale_);
     const Motion motion = estimate_.corrected(odometry);
-    PoseBelief next = predicted(belief_, motion, {});
-    estimate_.predict(belief_, motion, next);
+    const PoseBelief next = estimate_.predict(belief_, motion, predicted(belief_, motion, {}));
     belief_ = next;
     if (!with_walls) return;
     constexpr double kSigma = 0.02;
@@ -81,7 +80,7 @@ class OneRevolution {
     corrected_.T_map_base.translation().x() += off;
     corrected_.covariance *= 0.5;
   }
-  void predict(OdometryScale& scale) { scale.predict(before_, motion_, predicted_); }
+  void predict(OdometryScale& scale) { predicted_ = scale.predict(before_, motion_, predicted_); }
   void update(OdometryScale& scale) const { scale.update(predicted_, corrected_); }
   void make_singular() { predicted_.covariance.setZero(); }
 
@@ -119,7 +118,7 @@ TEST(OdometryScale, LeavesTheCovarianceOfALostPosePositive) {
   EXPECT_LT(drive.sigma(), 10);
   for (int i = 0; i < 50; ++i) drive.revolution(true);
   EXPECT_LT(std::abs(drive.error()), 0.1);
-  EXPECT_TRUE(std::isfinite(drive.estimate().value()));
+  EXPECT_NEAR(drive.estimate().value(), 0.01, 0.005) << "what was learnt while lost is no more than the pose tells";
 }
 
 }  // namespace

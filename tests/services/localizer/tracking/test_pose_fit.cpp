@@ -164,8 +164,9 @@ TEST(FitPose, TheEndsOfDashesTellThePlaceAlongAStreet) {
 TEST(FitPose, ByPaintAloneOneLineLooksLikeTheNextSoItIsNotUsed) {
   fields::SavedMap map(map_of(Yard{.half_length = 60, .turned = 0, .curb = -100, .ends = false}));
   semantic_map::tile::MarkingLine line;
-  line.points = {{-20, 1, 0, true}, {20, 1, 0, false}};
+  line.points = {{-14, 1, 0, true}, {14, 1, 0, false}};
   map.set_paint(fields::PaintField({line}));
+  ASSERT_TRUE(map.paint().offset_at(0, 1.4)) << "it is in reach";
   ThinnedScan scan;
   for (double x = -9; x < 9; x += 0.1) {
     scan.paint.emplace_back(x, 1.4, 0);
@@ -174,6 +175,20 @@ TEST(FitPose, ByPaintAloneOneLineLooksLikeTheNextSoItIsNotUsed) {
   const PoseFit fit = fit_pose(scan, belief(pose_at(0, 0, 0)), map, {});
   EXPECT_NEAR(fit.belief.T_map_base.translation().y(), 0, 1e-3);
   EXPECT_EQ(fit.degenerate & 3, 3);
+}
+
+TEST(FitPose, EndsAfterAFewIterationsHoweverFarOffItBegins) {
+  const Yard yard;
+  fields::SavedMap map(map_of(yard));
+  const Pose truth = pose_at(1.2, 0.7, 0.4);
+  const ThinnedScan scan{points_in(yard, truth)};
+  ASSERT_GT(scan.points.size(), 1000U) << "first iterations are with a third of them";
+  PoseBelief prior = belief(truth);
+  prior.covariance *= 100;
+  for (double off = 0.5; off < 4; off += 0.5) {
+    prior.T_map_base = pose_at(1.2 + off, 0.7 - off, 0.4 + 0.05 * off);
+    EXPECT_LE(fit_pose(scan, prior, map, {}).iterations, 5) << off;
+  }
 }
 
 TEST(FitPose, WithoutPointsStaysWithThePrior) {

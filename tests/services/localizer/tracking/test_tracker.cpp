@@ -206,6 +206,39 @@ TEST(Tracker, OnALongStreetWithoutWallsIsLostLengthwiseAndStaysBesideItsCurb) {
   EXPECT_GT(std::sqrt(tracker.published_covariance()(0, 0)), 0.2);
 }
 
+TEST(Tracker, AtTheEndOfAStreetThatTellsNothingLengthwiseMustFitForLongAgain) {
+  const Yard yard{.half_length = 40, .turned = 0};
+  fields::SavedMap map(map_of(yard));
+  const auto walls_near = [&](const Pose& pose) {  // without the pillars
+    auto points = points_in(yard, pose);
+    std::erase_if(points, [&](const Eigen::Vector3d& p) {
+      const Eigen::Vector3d q = pose * p;
+      return p.head<2>().norm() > 15 || (p.z() > 0.4 && std::abs(q.y()) < 6.5 && std::abs(q.x()) < 39.5);
+    });
+    return points;
+  };
+  Pose truth = pose_at(-24, 0, 0);
+  Tracker tracker(start(truth), {});
+  for (int i = 0; i < 20; ++i) tracker.track({walls_near(truth)}, Motion{}, map);
+  ASSERT_FALSE(tracker.lost());
+  Motion motion = ahead();
+  motion.T_last_base = pose_at(1, 0, 0);
+  for (int i = 0; i < 48; ++i) {
+    truth = truth * motion.T_last_base;
+    tracker.track({walls_near(truth)}, motion, map);
+  }
+  ASSERT_TRUE(tracker.lost()) << "48 m between two walls";
+  truth = truth * pose_at(3, 0, 0);
+  motion.T_last_base = pose_at(3, 0, 0);
+  int revolutions = 0;
+  for (; revolutions < 60 && tracker.lost(); ++revolutions) {
+    tracker.track({walls_near(truth)}, motion, map);
+    motion = Motion{};
+  }
+  EXPECT_FALSE(tracker.lost()) << "the wall across is in sight";
+  EXPECT_GE(revolutions, Tracker::kReconfirmations);
+}
+
 TEST(Tracker, SaysThatAMapWhichLittleHeldIsBentHoweverLongItLooks) {
   const Yard yard;
   fields::SavedMap map(map_of(yard));

@@ -51,25 +51,25 @@ class PageLayers : public PageOnABus {
 
 // Colours as in page/drawing/palette.ts: the ends of the ramps, and between them.
 
-TEST_F(PageLayers, Heights) {
+TEST_F(PageLayers, HeightsHaveTheColoursOfTheirRamp) {
   put_tile(-1, -1, {.height = 1});
   put_tile(0, -1, {.height = 2});
   expect_colours("height", {68, 1, 84}, {253, 231, 37});
 }
 
-TEST_F(PageLayers, Costs) {
+TEST_F(PageLayers, CostsHaveTheColoursOfTheirRamp) {
   put_tile(-1, -1, {.cost = 127});
   put_tile(0, -1, {.cost = 254});
   expect_colours("cost", {236, 140, 46}, {96, 20, 18});
 }
 
-TEST_F(PageLayers, Confidences) {
+TEST_F(PageLayers, ConfidencesHaveTheColoursOfTheirRamp) {
   put_tile(-1, -1, {.confidence = 0});
   put_tile(0, -1, {.confidence = 255});
   expect_colours("confidence", {222, 228, 232}, {8, 56, 96});
 }
 
-TEST_F(PageLayers, Ages) {
+TEST_F(PageLayers, AgesHaveTheColoursOfARampByTheirLogarithm) {
   put_tile(-1, -1, {.older_by = -300'000'000});  // newer than any pose of this test
   put_tile(0, -1, {.older_by = 700'000'000});
   expect_colours("age", {255, 214, 102}, {66, 58, 108});
