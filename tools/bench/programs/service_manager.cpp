@@ -97,4 +97,9 @@ void ServiceManager::close_all() {
   kept_.clear();
 }
 
+std::size_t ServiceManager::kept() const {
+  const std::lock_guard lock(mutex_);
+  return kept_.size();
+}
+
 }  // namespace curbstone::bench::programs

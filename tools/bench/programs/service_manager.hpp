@@ -23,13 +23,14 @@ class ServiceManager {
   [[nodiscard]] std::unique_ptr<BackgroundProgram> start(const std::string& line, const std::string& output_file);
   /// As when the service is stopped for good.
   void close_all();
+  [[nodiscard]] std::size_t kept() const;
 
  private:
   void receive();
 
   int socket_ = -1;
   std::string address_;  // of it, for NOTIFY_SOCKET
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::map<std::string, int> kept_;  // by name
   std::atomic<bool> ends_{false};
   std::thread receiver_;
