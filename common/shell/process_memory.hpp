@@ -12,8 +12,8 @@ struct ProcessMemory {
 [[nodiscard]] ProcessMemory process_memory();
 
 /// All threads allocate from one heap. By default glibc gives each thread one of its own, and what one thread allocates
-/// and another one frees leaves holes in it: a process that passes its data from thread to thread, as these do, takes a
-/// third more memory. To be called before the first thread starts.
+/// and another one frees leaves holes in it: up to a quarter of a process that passes its data from thread to thread.
+/// To be called before the first thread starts.
 void use_one_heap();
 
 /// Gives memory that the process has freed back to the system, if it is 32 MB or more. glibc keeps what was freed
