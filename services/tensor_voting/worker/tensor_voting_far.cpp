@@ -58,17 +58,16 @@ void TensorVotingNode::forget_sums(TileKey key) {
   if (base != bases_.end()) std::vector<VotedBase::Scale>().swap(base->second.scales);
 }
 
-/// Releases tiles that have fallen behind; reviews tiles that are near again.
+/// Reviews tiles that are far, or near again. Then releases those that have fallen behind: a tile that was scheduled by
+/// its review has the votes of its neighbours, so they must stay until it is published.
 void TensorVotingNode::follow_vehicle() {
-  std::vector<TileKey> far;
   for (const auto& [key, tile] : map_.points().tiles()) {
     if (map_.is_asleep(key)) forget_sums(key);
-    if (is_near(key)) {
-      if (distance(key) > config_.keep_radius - 2 * kRim) review(key);
-      continue;
-    }
-    review(key);
-    if (may_release(key)) far.push_back(key);
+    if (!is_near(key) || distance(key) > config_.keep_radius - 2 * kRim) review(key);
+  }
+  std::vector<TileKey> far;
+  for (const auto& [key, tile] : map_.points().tiles()) {
+    if (!is_near(key) && may_release(key)) far.push_back(key);
   }
   for (const TileKey key : far) {
     map_.erase(key);

@@ -214,7 +214,8 @@ void TensorVotingNode::announce() {
 
 void TensorVotingNode::queue_pages(TileKey key) {
   const PointTile* const tile = map_.points().find(key);
-  if (tile == nullptr || !map_.is_current(key)) {  // scheduled again when the missing votes are computed
+  // Scheduled again when the missing votes are computed. Without those of a released neighbour it must not go out.
+  if (tile == nullptr || !map_.is_current(key) || !publishes(key)) {
     schedule_.drop(key);
     return;
   }
