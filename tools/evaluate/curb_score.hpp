@@ -56,7 +56,7 @@ struct CurbScore {
   int true_points = 0;                       ///< true points that are scored; lowered curbs are not
   std::vector<Place> missed;                 ///< of these, not found at the widest tolerance
   std::vector<Place> wrong;                  ///< detections not right at the widest tolerance
-  double recall_of_seen = 0;  ///< at the widest tolerance, over the true points where the map is not unknown
+  double recall_of_seen = 0;                 ///< at the widest tolerance, over the true points where something was seen
   struct Share {
     int points = 0;
     int found = 0;
@@ -97,7 +97,7 @@ struct CurbCell {
 struct CurbMap {
   std::vector<CurbCell> cells;
   std::vector<CurbFoot> feet;       ///< points of the measured curb lines
-  std::vector<Place> seen;          ///< centres of all cells that are not unknown
+  std::vector<Place> seen;          ///< centres of all cells in which something was seen
   std::vector<Place> lowered = {};  ///< points of the lines marked as lowered
   struct Inferred {
     Place at;

@@ -12,9 +12,9 @@ namespace {
 
 constexpr double kFirm = 0.02;  // m, twice the error of one range, like the map's own margin
 
-/// Calls visit(class, centre in m in map) for every cell that was hit by points.
+/// Calls visit(class, is_seen, centre in m in map) for every cell that the map knows. Interpolated road was not seen.
 template <class Visit>
-void for_each_seen_cell(const std::vector<semantic_map::tile::MapTile>& tiles, Visit visit) {
+void for_each_known_cell(const std::vector<semantic_map::tile::MapTile>& tiles, Visit visit) {
   for (const semantic_map::tile::MapTile& tile : tiles) {
     for (int i = 0; i < semantic_map::tile::kCellsInTile; ++i) {
       const auto index = static_cast<std::size_t>(i);
@@ -25,7 +25,7 @@ void for_each_seen_cell(const std::vector<semantic_map::tile::MapTile>& tiles, V
       const Eigen::Vector3d centre(tile.key.x * kTileSize + (i % kCellsPerTile + 0.5) * kCellSize,
                                    tile.key.y * kTileSize + (i / kCellsPerTile + 0.5) * kCellSize,
                                    static_cast<double>(tile.z_origin) + z);
-      visit(cell_class, centre);
+      visit(cell_class, !tile.is_interpolated(index), centre);
     }
   }
 }
@@ -86,21 +86,22 @@ CellScores score_cells(const std::vector<semantic_map::tile::MapTile>& tiles, co
     if (true_class == 0 || true_class >= semantic_map::tile::kNumClasses) return;
     ++cells.count[true_class][static_cast<std::size_t>(cell_class)];
   };
-  for_each_seen_cell(tiles, [&](semantic_map::tile::CellClass cell_class, const Eigen::Vector3d& centre) {
-    const Eigen::Vector3d placed = T_truth_map * centre;
-    const Place place{placed.x(), placed.y()};
-    const std::uint8_t true_class = truth.class_of_cell(T_truth_map, centre, kCellSize);
-    if (is_blocking(static_cast<semantic_map::tile::CellClass>(true_class)) && near_path.any_near(place.x, place.y))
-      scores.blocking.count(cell_class, place);
-    if (true_class == static_cast<std::uint8_t>(semantic_map::tile::CellClass::kRoad) && is_blocking(cell_class))
-      scores.blocking.called_blocked.push_back(place);
-    if (cell_class == semantic_map::tile::CellClass::kUnknown) return;
-    map.seen.push_back(place);
-    if (cell_class == semantic_map::tile::CellClass::kCurb) map.cells.push_back({place, is_judged(place, truth)});
-    count_in(scores.all, true_class, cell_class);
-    if (!truth.fine_classes.empty())
-      count_in(scores.firm, truth.class_of_cell(T_truth_map, centre, kCellSize, kFirm), cell_class);
-  });
+  for_each_known_cell(
+      tiles, [&](semantic_map::tile::CellClass cell_class, bool is_seen, const Eigen::Vector3d& centre) {
+        const Eigen::Vector3d placed = T_truth_map * centre;
+        const Place place{placed.x(), placed.y()};
+        const std::uint8_t true_class = truth.class_of_cell(T_truth_map, centre, kCellSize);
+        if (is_blocking(static_cast<semantic_map::tile::CellClass>(true_class)) && near_path.any_near(place.x, place.y))
+          scores.blocking.count(cell_class, place);
+        if (true_class == static_cast<std::uint8_t>(semantic_map::tile::CellClass::kRoad) && is_blocking(cell_class))
+          scores.blocking.called_blocked.push_back(place);
+        if (cell_class == semantic_map::tile::CellClass::kUnknown) return;
+        if (is_seen) map.seen.push_back(place);
+        if (cell_class == semantic_map::tile::CellClass::kCurb) map.cells.push_back({place, is_judged(place, truth)});
+        count_in(scores.all, true_class, cell_class);
+        if (!truth.fine_classes.empty())
+          count_in(scores.firm, truth.class_of_cell(T_truth_map, centre, kCellSize, kFirm), cell_class);
+      });
   return scores;
 }
 

@@ -54,7 +54,7 @@ std::string curb_table(const CurbScore& c) {
 
 std::string class_table(const Confusion& classes) {
   static constexpr std::array kNames = {"unknown", "road", "curb", "obstacle", "wall"};
-  std::string text = fmt::format("classes      accuracy {:.3f} of {} seen cells; truth down, map across\n",
+  std::string text = fmt::format("classes      accuracy {:.3f} of {} known cells; truth down, map across\n",
                                  classes.accuracy(), classes.total());
   text += fmt::format("             {:>10}", "");
   for (std::size_t column = 1; column < semantic_map::tile::kNumClasses; ++column)

@@ -55,6 +55,8 @@ struct CellColumn {
   [[nodiscard]] bool is_high(const ClassParameters& parameters) const {
     return blocks(parameters) && double{top} >= parameters.min_vehicle;
   }
+  /// Nothing stands there, and the ground does not drop away.
+  [[nodiscard]] bool is_clear() const { return blocking_points == 0 && drop_points == 0; }
   /// More than a stray point, which does not make a cell ground yet.
   [[nodiscard]] bool shows_ground() const { return ground_points > 1; }
   bool operator==(const CellColumn&) const = default;

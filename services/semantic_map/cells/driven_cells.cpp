@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "common/tiles/tile.hpp"
+#include "services/semantic_map/cells/interpolated_road.hpp"
 
 namespace curbstone::semantic_map::cells {
 
@@ -33,16 +34,11 @@ std::map<TileKey, CellBits> cells_beneath(const Pose& T_map_base, const VehicleC
 void add_driven_road(const CellColumns& columns, const CellBits& driven, const VehicleCells& vehicles,
                      const ground::GroundSurface& ground, tile::MapTile& tile) {
   for (std::size_t i = driven._Find_first(); i < tile::kCellsInTile; i = driven._Find_next(i)) {
-    const CellColumn& cell = columns.cells[i];
-    const bool is_vacant = cell.blocking_points == 0 && cell.drop_points == 0 && !vehicles.beneath[i];
-    if (tile.cell_class[i] != tile::CellClass::kUnknown || !is_vacant) continue;
-    tile.cell_class[i] = tile::CellClass::kRoad;
-    tile.cost[i] = 0;
-    const auto z = ground.height_or_rough((static_cast<int>(i) % kCellsPerTile + 0.5) * kCellSize,
-                                          (static_cast<int>(i) / kCellsPerTile + 0.5) * kCellSize);
-    if (!z) continue;
-    const double steps = (*z - double{tile.z_origin}) / kPositionStep;
-    if (std::abs(steps) < 32767) tile.height[i] = static_cast<std::int16_t>(std::lround(steps));
+    if (tile.cell_class[i] != tile::CellClass::kUnknown || !columns.cells[i].is_clear() || vehicles.beneath[i])
+      continue;
+    const double x = (static_cast<int>(i) % kCellsPerTile + 0.5) * kCellSize;
+    const double y = (static_cast<int>(i) / kCellsPerTile + 0.5) * kCellSize;
+    make_interpolated_road(tile, i, ground.height_or_rough(x, y));
   }
 }
 

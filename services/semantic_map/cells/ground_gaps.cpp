@@ -5,6 +5,8 @@
 #include <limits>
 #include <optional>
 
+#include "services/semantic_map/cells/interpolated_road.hpp"
+
 namespace curbstone::semantic_map::cells {
 
 namespace {
@@ -41,7 +43,7 @@ class SeenGround {
     return static_cast<std::size_t>((row + kReach) * kSide + column + kReach);
   }
   static float height_of(const CellColumn& cell) {
-    if (cell.blocking_points > 0 || cell.drop_points > 0) return kBlocked;
+    if (!cell.is_clear()) return kBlocked;
     return cell.ground_points > 0 ? cell.ground_z : kVacant;
   }
   std::array<float, std::size_t{kSide} * kSide> z_;
@@ -108,11 +110,7 @@ void interpolate_ground(const tile::Around<CellColumns>& columns, const VehicleC
       const auto i = static_cast<std::size_t>(row * kCellsPerTile + column);
       if (tile.cell_class[i] != tile::CellClass::kUnknown || vehicles.beneath[i]) continue;
       if (ground.at(column, row) != SeenGround::kVacant || touches_what_stands(ground, {column, row})) continue;
-      const auto z = interpolated(ground, {column, row});
-      if (!z) continue;
-      tile.cell_class[i] = tile::CellClass::kRoad;
-      tile.cost[i] = 0;
-      tile.height[i] = static_cast<std::int16_t>(std::lround((*z - double{tile.z_origin}) / kPositionStep));
+      if (const auto z = interpolated(ground, {column, row})) make_interpolated_road(tile, i, z);
     }
   }
 }

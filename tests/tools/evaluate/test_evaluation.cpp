@@ -53,6 +53,23 @@ TEST(Evaluation, LaysTheMapOnTheTruthByTheTrajectories) {
   EXPECT_NEAR(e.classes->accuracy(), 600.0 / 625.0, 1e-12);
 }
 
+TEST(Evaluation, ACurbInInterpolatedRoadCouldNotBeSeen) {
+  Scene scene;
+  semantic_map::tile::MapTile& tile = scene.tiles.front();
+  tile.cell_class.fill(semantic_map::tile::CellClass::kRoad);  // the map lacks the curb
+  tile.confidence.fill(0);
+  for (int row = 0; row < kCellsPerTile; ++row) {
+    for (int column = 0; column < 5; ++column)
+      tile.confidence[static_cast<std::size_t>(row * kCellsPerTile + column)] = 32;
+  }
+  tile.cell_class[12 * kCellsPerTile] = semantic_map::tile::CellClass::kCurb;  // but for its first cell
+  const Evaluation e = evaluate(scene.tiles, {}, scene.trajectory, scene.truth, 8);
+  ASSERT_TRUE(e.curbs);
+  EXPECT_NEAR(e.curbs->recall_of_seen, 0.4, 0.15) << "of the five cells in which ground was seen";
+  EXPECT_LT(e.curbs->at.back().recall, 0.2);
+  EXPECT_EQ(e.classes->total(), 625) << "but all that the map calls road is scored";
+}
+
 TEST(Evaluation, TellsWhatBlocksAndIsCalledFreeFromWhatIsNotKnown) {
   Scene scene;
   semantic_map::tile::MapTile& tile = scene.tiles.front();  // its first row is truly a wall
