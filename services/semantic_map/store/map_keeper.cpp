@@ -224,7 +224,6 @@ void MapKeeper::leave_damaged() {
   if (unusable_ == UnusableFile::kThrows) return;
   const bool is_of_this_drive = !pending_.clear;
   store_.reset();
-  num_restored_ = 0;
   lost_ = lost_ || is_of_this_drive;
   if (is_of_this_drive && !earlier_.superseded().empty()) pending_.superseded = earlier_.superseded();
   try {
@@ -245,10 +244,10 @@ void MapKeeper::leave_damaged() {
 }
 
 void MapKeeper::heed_restored() {
-  if (!store_ || store_->restored().size() == num_restored_) return;
-  counters_.add("store.restored", static_cast<std::int64_t>(store_->restored().size() - num_restored_));
-  num_restored_ = store_->restored().size();
-  restored_ = store_->restored().back();
+  const std::vector<std::string> restored = store_ ? store_->take_restored() : std::vector<std::string>{};
+  if (restored.empty()) return;
+  counters_.add("store.restored", static_cast<std::int64_t>(restored.size()));
+  restored_ = restored.back();
   restored_utime_ = newest_utime_;
 }
 

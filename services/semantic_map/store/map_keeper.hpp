@@ -127,7 +127,6 @@ class MapKeeper {
   EarlierDrive earlier_;
   std::int32_t epoch_ = 0;
   std::int64_t newest_utime_ = 0;    // of a pose
-  std::size_t num_restored_ = 0;     // files written again by store_ that were reported
   std::string restored_;             // why the file was written again
   std::int64_t restored_utime_ = 0;  // us, pose at that time; 0: never
   bool lost_ = false;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "services/semantic_map/store/file_watch.hpp"
@@ -117,8 +118,8 @@ class MapStore {
   /// renamed before that (set_replacement_aside()), unless another process writes it: then writing fails. If somebody
   /// wrote to the file, so that it is no longer this map, DamagedMapFile is thrown.
   void write(const Batch& batch);
-  /// Each time the file was written again: why, in words.
-  [[nodiscard]] const std::vector<std::string>& restored() const { return restored_; }
+  /// Why the file was written again, in words: each time since the last call.
+  [[nodiscard]] std::vector<std::string> take_restored() { return std::exchange(restored_, {}); }
 
   /// Epoch, and utime of the first and the newest pose (0: none) in the file, to decide whether a drive continues it.
   [[nodiscard]] std::int32_t epoch() const { return epoch_; }

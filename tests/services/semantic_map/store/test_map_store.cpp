@@ -53,7 +53,7 @@ TEST_F(MapStoreTest, ThatIsDeletedMeanwhileIsWrittenAgainWithAllThatItHad) {
   EXPECT_EQ(MapReader(file).tiles().size(), 2U);
   fs::remove_all(folder_ / "maps");
   store.write({.epoch = 3, .tiles = {tile(3, 3)}, .trajectory = {pose(150'000)}});
-  EXPECT_EQ(store.restored().size(), 2U);
+  EXPECT_EQ(store.take_restored().size(), 2U);
   EXPECT_THROW(MapStore{file}, MapStoreError) << "it is locked again";
   {
     const MapReader map(file);

@@ -42,8 +42,8 @@ TEST_F(MapStoreOthersTest, AFileThatWasPutInItsPlaceIsKeptBesideIt) {
   const std::string bytes_of_other = bytes(other);
   fs::rename(other, path_);
   write_another();
-  ASSERT_EQ(store_.restored().size(), 1U);
-  EXPECT_THAT(store_.restored().front(), ::testing::HasSubstr("another file was put in its place"));
+  EXPECT_THAT(store_.take_restored(),
+              ::testing::ElementsAre(::testing::HasSubstr("another file was put in its place")));
   EXPECT_EQ(MapReader(path_).tiles().size(), 2U);
   EXPECT_EQ(MapReader(path_).integrity(), "ok");
   ASSERT_THAT(beside(), ::testing::ElementsAre(::testing::StartsWith("map-replaced-")));
@@ -103,7 +103,7 @@ TEST_F(MapStoreOthersTest, AJournalThatWasDeletedIsAFileThatWasDeleted) {
     EXPECT_EQ(MapReader(path_).tiles().size(), 2U);
     EXPECT_EQ(MapReader(path_).integrity(), "ok");
   }
-  EXPECT_EQ(store_.restored().size(), 2U);
+  EXPECT_EQ(store_.take_restored().size(), 2U);
 }
 
 /// `cp other.db map.db`, `> map.db`, a copy that is still under way: the file is the same, and is not the map.
@@ -141,7 +141,7 @@ TEST_F(MapStoreOthersTest, AFileThatWasOnlyTouchedOrTidiedIsTheMap) {
   write_another();
   empty_journal(path_);
   store_.write({.epoch = 3, .tiles = {tile(3, 3)}, .trajectory = {pose(150'000)}});
-  EXPECT_TRUE(store_.restored().empty());
+  EXPECT_TRUE(store_.take_restored().empty());
   EXPECT_EQ(MapReader(path_).tiles().size(), 3U);
 }
 
