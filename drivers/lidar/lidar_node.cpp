@@ -237,11 +237,12 @@ void LidarNode::set_receive_buffer(int asked, int granted) {
         granted / 1024, asked / 1024, asked, asked);
 }
 
-/// A step forward looks like a delay, which the clock's window would accept for seconds.
+/// A step forward looks like a delay, which the clock's window would accept for seconds, and like lost packets.
 void LidarNode::clock_was_set(std::int64_t by) {
   if (by <= 0) return;  // packets with earlier times of receipt show it
   counters_.add("clock.host_set");
   clock_.forget_offset();
+  head_.clock_was_set(by);
 }
 
 void LidarNode::tick(std::int64_t now) {

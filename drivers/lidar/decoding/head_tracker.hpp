@@ -28,6 +28,10 @@ class HeadTracker {
 
   /// `blind`: how far the head may turn without firing.
   Step follow(const Packet& packet, double blind = 0);
+  /// The clock was set, us: the next packet is as much later than the last one as that, and nothing was lost over it.
+  void clock_was_set(std::int64_t by) {
+    if (last_) last_->utime += by;
+  }
 
  private:
   int cut_angle_;
