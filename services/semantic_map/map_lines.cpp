@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <unordered_set>
 #include <utility>
 
 #include "services/semantic_map/curb_lines/curb_bridges.hpp"
@@ -51,9 +52,21 @@ void append_marking_cells(TileKey key, const MapBox& box, const std::vector<mark
   for (const markings::MarkingCell& cell : of_tile) {
     const Eigen::Vector2d at = corner_of(key) + Eigen::Vector2d(double{cell.x}, double{cell.y});
     if (box.contains(at))
-      cells.push_back({at, double{cell.z}, double{cell.contrast}, cell.is_strong, cell.is_bright,
-                       static_cast<double>(cell.count), double{cell.level}});
+      cells.push_back({at, cell.z, cell.contrast, cell.is_strong, cell.is_bright, cell.count, cell.level});
   }
+}
+
+/// The tiles whose cells can belong to a marking: those with a strong cell, and their neighbours. A line follows strong
+/// cells, and counts no others farther than 2 m from them.
+std::unordered_set<TileKey, TileKeyHash> tiles_near_paint(const MapLineSources& sources) {
+  std::unordered_set<TileKey, TileKeyHash> near;
+  for (const auto& [key, tile] : sources.tiles) {
+    if (std::ranges::none_of(*tile.markings, &markings::MarkingCell::is_strong)) continue;
+    for (std::int32_t x = key.x - 1; x <= key.x + 1; ++x) {
+      for (std::int32_t y = key.y - 1; y <= key.y + 1; ++y) near.insert({x, y});
+    }
+  }
+  return near;
 }
 
 double painted_length(const tile::MarkingLine& line) {
@@ -172,12 +185,16 @@ tile::MapLines link(const MapLineSources& sources) {
   keys.reserve(sources.tiles.size());
   for (const auto& [key, tile] : sources.tiles) keys.push_back(key);
   std::sort(keys.begin(), keys.end());
+  const auto near_paint = tiles_near_paint(sources);
   std::vector<curb_lines::MapCurbPoint> points;
   std::vector<marking_lines::MapMarkingCell> cells;
+  std::size_t num_cells = 0;
+  for (const TileKey& key : keys) num_cells += near_paint.contains(key) ? sources.tiles.at(key).markings->size() : 0;
+  cells.reserve(num_cells);
   for (const TileKey& key : keys) {
     const LineTile& tile = sources.tiles.at(key);
     append_curb_points(key, everything(), *tile.curbs, points);
-    append_marking_cells(key, everything(), *tile.markings, cells);
+    if (near_paint.contains(key)) append_marking_cells(key, everything(), *tile.markings, cells);
   }
   tile::MapLines lines;
   const auto classes = [&](TileKey key) {

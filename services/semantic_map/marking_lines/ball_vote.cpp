@@ -23,31 +23,26 @@ PlaneVote decompose(double xx, double xy, double yy, double mass) {
 }  // namespace
 
 double weight_of(const MapMarkingCell& cell) {
-  return std::min(1.0, cell.contrast / kFullContrast);
+  return std::min(1.0, double{cell.contrast} / kFullContrast);
 }
 
-std::vector<PlaneVote> vote_in_plane(const MarkingField& field, double sigma) {
-  const std::vector<MapMarkingCell>& cells = field.cells();
-  std::vector<PlaneVote> votes(cells.size());
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (!cells[i].is_strong) continue;
-    double xx = 0;
-    double xy = 0;
-    double yy = 0;
-    double mass = 0;
-    field.within(cells[i].at, kReach * sigma, [&](std::size_t j, const Eigen::Vector2d& d) {
-      if (j == i || !cells[j].is_strong) return;
-      const double squared = d.squaredNorm();
-      if (squared == 0) return;
-      const double w = weight_of(cells[j]) * std::exp(-squared / (sigma * sigma));
-      xx += w * (1 - d.x() * d.x() / squared);
-      xy -= w * d.x() * d.y() / squared;
-      yy += w * (1 - d.y() * d.y() / squared);
-      mass += w;
-    });
-    votes[i] = decompose(xx, xy, yy, mass);
-  }
-  return votes;
+PlaneVote vote_in_plane(const MarkingField& field, std::size_t cell, double sigma) {
+  double xx = 0;
+  double xy = 0;
+  double yy = 0;
+  double mass = 0;
+  field.within(field.cells()[cell].at, kReach * sigma, [&](std::size_t j, const Eigen::Vector2d& d) {
+    const MapMarkingCell& voter = field.cells()[j];
+    if (j == cell || !voter.is_strong) return;
+    const double squared = d.squaredNorm();
+    if (squared == 0) return;
+    const double w = weight_of(voter) * std::exp(-squared / (sigma * sigma));
+    xx += w * (1 - d.x() * d.x() / squared);
+    xy -= w * d.x() * d.y() / squared;
+    yy += w * (1 - d.y() * d.y() / squared);
+    mass += w;
+  });
+  return decompose(xx, xy, yy, mass);
 }
 
 }  // namespace curbstone::semantic_map::marking_lines

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
+#include <cstddef>
 
 #include "services/semantic_map/marking_lines/marking_field.hpp"
 
@@ -16,8 +16,8 @@ struct PlaneVote {
 
 /// Computes the paper's ball vote (eq. 1 to 6) in two dimensions: the vote of a cell at offset d, r = d / |d|, is w
 /// exp(-|d|^2 / sigma^2) (I - r r^T), with the weight w by its contrast. The eigenvector of the larger eigenvalue is
-/// the line's normal. Strong cells vote for strong cells; the result is by cell index, and zero for the others.
-[[nodiscard]] std::vector<PlaneVote> vote_in_plane(const MarkingField& field, double sigma);
+/// the line's normal. The strong cells around vote for the cell of this index.
+[[nodiscard]] PlaneVote vote_in_plane(const MarkingField& field, std::size_t cell, double sigma);
 
 /// Weight of a cell, 0..1: paint that is twice as bright as the road has no more weight than any paint.
 [[nodiscard]] double weight_of(const MapMarkingCell& cell);

@@ -41,10 +41,11 @@ RidgePoint on_ridge(const MarkingField& field, const Eigen::Vector2d& at, const 
     field.within(point.at, kAcrossRidge + kAlongRidge, [&](std::size_t j, const Eigen::Vector2d& d) {
       if (std::abs(d.dot(normal)) > kAcrossRidge || std::abs(d.dot(vote.tangent)) > kAlongRidge) return;
       const MapMarkingCell& cell = field.cells()[j];
-      weight += cell.contrast;
-      across += cell.contrast * d.dot(normal);
-      z += cell.contrast * cell.z;
-      most = std::max(most, cell.contrast);
+      const double contrast{cell.contrast};
+      weight += contrast;
+      across += contrast * d.dot(normal);
+      z += contrast * double{cell.z};
+      most = std::max(most, contrast);
     });
     if (weight <= 0) break;
     point.at += across / weight * normal;
@@ -219,13 +220,13 @@ void cut_at_widths(const MarkingChain& chain, std::vector<MarkingChain>& parts) 
 }  // namespace
 
 std::vector<MarkingChain> chain_markings(const MarkingField& field, const ChainOptions& options) {
-  const std::vector<PlaneVote> votes = vote_in_plane(field, kVoteSigma);
   std::vector<RidgePoint> ridge;
-  for (std::size_t i = 0; i < votes.size(); ++i) {
+  for (std::size_t i = 0; i < field.cells().size(); ++i) {
     const MapMarkingCell& cell = field.cells()[i];
     if (!cell.is_strong) continue;
-    if (options.vote && (votes[i].mass < kMinMass || votes[i].stick < kMinStick)) continue;
-    ridge.push_back(on_ridge(field, cell.at, votes[i]));
+    const PlaneVote vote = vote_in_plane(field, i, kVoteSigma);
+    if (options.vote && (vote.mass < kMinMass || vote.stick < kMinStick)) continue;
+    ridge.push_back(on_ridge(field, cell.at, vote));
   }
   ridge = thinned(std::move(ridge));
   std::vector<MarkingChain> chains;

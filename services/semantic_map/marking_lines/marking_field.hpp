@@ -10,15 +10,15 @@
 
 namespace curbstone::semantic_map::marking_lines {
 
-/// A cell of paint, or of the ground beside it, in the map frame.
+/// A cell of paint, or of the ground beside it, in the map frame. Small: those of the whole map are linked at once.
 struct MapMarkingCell {
   Eigen::Vector2d at = Eigen::Vector2d::Zero();  ///< m
-  double z = 0;
-  double contrast = 0;  ///< -255..255, relative to the ground around
+  float z = 0;                                   ///< m
+  float contrast = 0;                            ///< -255..255, relative to the ground around
   bool is_strong = false;
-  bool is_bright = true;  ///< off: bare ground
-  double count = 1;       ///< points that the contrast is computed from
-  double level = 0;       ///< 0..255, of the ground around
+  bool is_bright = true;   ///< off: bare ground
+  std::uint8_t count = 1;  ///< points that the contrast is computed from; 255: or more
+  float level = 0;         ///< 0..255, of the ground around
 };
 
 /// The cells, searchable by place.

@@ -73,7 +73,8 @@ std::vector<AlongCell> cells_along(const MarkingField& field, const SmoothingSpl
       const double across = along.x() * d.y() - along.y() * d.x();
       if (ahead < -before || ahead >= behind || std::abs(across) > reach) return;
       const MapMarkingCell& cell = field.cells()[i];
-      cells.push_back({s + ahead, across, cell.contrast, cell.count, cell.level, cell.is_bright});
+      cells.push_back({s + ahead, across, double{cell.contrast}, static_cast<double>(cell.count), double{cell.level},
+                       cell.is_bright});
     });
   }
   return cells;

@@ -75,6 +75,7 @@ TEST_F(LinkedStreet, IsWhatItWasWhenItsLinesWereAskedFor) {
   expect_same(whole, at_once());
   EXPECT_FALSE(whole.curbs.empty());
   EXPECT_FALSE(whole.markings.empty());
+  EXPECT_EQ(whole.markings, all_markings(pipeline, whole.curbs, path, {})) << "cells far from paint change nothing";
 }
 
 TEST_F(LinkedStreet, IsLinkedWithoutThePipelineThatMadeIt) {
