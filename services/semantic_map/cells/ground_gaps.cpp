@@ -1,8 +1,9 @@
 #include "services/semantic_map/cells/ground_gaps.hpp"
 
 #include <array>
+#include <bit>
 #include <cmath>
-#include <limits>
+#include <cstdint>
 #include <optional>
 
 #include "services/semantic_map/cells/interpolated_road.hpp"
@@ -16,44 +17,82 @@ constexpr int kReach = 4;             // cells, to one side
 constexpr double kSameHeight = 0.04;  // m: a difference of this, and
 constexpr double kSameSlope = 0.10;   // of this slope more, is no step
 
-/// The ground that was seen in a tile and kReach cells around it.
-class SeenGround {
- public:
-  static constexpr float kVacant = std::numeric_limits<float>::infinity();
-  static constexpr float kBlocked = -kVacant;
-
-  explicit SeenGround(const tile::Around<CellColumns>& columns) {
-    z_.fill(kVacant);
-    for (int row = -kReach; row < kCellsPerTile + kReach; ++row) {
-      const int dy = row < 0 ? -1 : row < kCellsPerTile ? 0 : 1;
-      for (int column = -kReach; column < kCellsPerTile + kReach; ++column) {
-        const int dx = column < 0 ? -1 : column < kCellsPerTile ? 0 : 1;
-        const CellColumns* const tile = columns.at(dx, dy);
-        if (tile == nullptr) continue;
-        z_[index(column, row)] = height_of(tile->at(column - dx * kCellsPerTile, row - dy * kCellsPerTile));
-      }
-    }
-  }
-  /// m in map; kVacant where nothing was seen on the ground, kBlocked where something stands or the ground drops away.
-  [[nodiscard]] float at(int column, int row) const { return z_[index(column, row)]; }
-
- private:
-  static constexpr int kSide = kCellsPerTile + 2 * kReach;
-  static std::size_t index(int column, int row) {
-    return static_cast<std::size_t>((row + kReach) * kSide + column + kReach);
-  }
-  static float height_of(const CellColumn& cell) {
-    if (!cell.is_clear()) return kBlocked;
-    return cell.ground_points > 0 ? cell.ground_z : kVacant;
-  }
-  std::array<float, std::size_t{kSide} * kSide> z_;
-};
-
 struct Cell {
   int column, row;
 };
 struct Direction {
   int dx, dy;
+};
+constexpr std::array<Direction, 4> kDirections = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
+
+/// The ground that was seen in a tile and kReach cells around it, a bit a cell.
+class SeenGround {
+ public:
+  explicit SeenGround(const tile::Around<CellColumns>& columns) : columns_(columns) {
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        if (const CellColumns* const tile = columns.at(dx, dy); tile != nullptr) take(*tile, dx, dy);
+      }
+    }
+  }
+
+  /// The cells of a row of the tile in which nothing was seen, that have ground on two opposite sides, and nothing
+  /// beside them that stands: the edge of a wall often reaches into the next cell. A bit a column.
+  [[nodiscard]] std::uint64_t gaps(int row) const {
+    const auto r = static_cast<std::size_t>(row + kReach);
+    const std::uint64_t standing = blocked_[r - 1] | blocked_[r] | blocked_[r + 1];
+    std::uint64_t between = 0;
+    for (const Direction& d : kDirections) between |= with_ground(row, d) & with_ground(row, {-d.dx, -d.dy});
+    const std::uint64_t gaps = between & ~seen_[r] & ~(standing | standing << 1 | standing >> 1);
+    return gaps >> kReach & ((std::uint64_t{1} << kCellsPerTile) - 1);
+  }
+  [[nodiscard]] bool is_seen(const Cell& at) const { return is_set(seen_, at); }
+  /// Something stands there, or the ground drops away.
+  [[nodiscard]] bool is_blocked(const Cell& at) const { return is_set(blocked_, at); }
+  /// m in map, of a cell that was seen.
+  [[nodiscard]] double height(const Cell& at) const {
+    const int dx = tile_of(at.column), dy = tile_of(at.row);
+    return double{columns_.at(dx, dy)->at(at.column - dx * kCellsPerTile, at.row - dy * kCellsPerTile).ground_z};
+  }
+
+ private:
+  static constexpr int kSide = kCellsPerTile + 2 * kReach;
+  using Bits = std::array<std::uint64_t, std::size_t{kSide}>;  // by row, from kReach cells below the tile
+
+  static int tile_of(int cell) { return cell < 0 ? -1 : cell < kCellsPerTile ? 0 : 1; }
+  static bool is_set(const Bits& bits, const Cell& at) {
+    return (bits[static_cast<std::size_t>(at.row + kReach)] >> (at.column + kReach) & 1) != 0;
+  }
+  void take(const CellColumns& tile, int dx, int dy) {
+    const int first = dx < 0 ? kCellsPerTile - kReach : 0;
+    const int last = dx > 0 ? kReach : kCellsPerTile;
+    const int row_end = dy > 0 ? kReach : kCellsPerTile;
+    for (int row = dy < 0 ? kCellsPerTile - kReach : 0; row < row_end; ++row) {
+      std::uint64_t seen = 0;
+      std::uint64_t blocked = 0;
+      for (int column = first; column < last; ++column) {
+        const CellColumn& cell = tile.at(column, row);
+        const bool is_clear = cell.is_clear();
+        seen |= std::uint64_t{is_clear && cell.ground_points > 0} << column;
+        blocked |= std::uint64_t{!is_clear} << column;
+      }
+      const auto r = static_cast<std::size_t>(row + dy * kCellsPerTile + kReach);
+      seen_[r] |= moved(seen, dx * kCellsPerTile + kReach);
+      blocked_[r] |= moved(blocked, dx * kCellsPerTile + kReach);
+    }
+  }
+  static std::uint64_t moved(std::uint64_t bits, int by) { return by < 0 ? bits >> -by : bits << by; }
+  /// The cells of a row from which ground was seen within kReach steps.
+  [[nodiscard]] std::uint64_t with_ground(int row, const Direction& d) const {
+    std::uint64_t cells = 0;
+    for (int k = 1; k <= kReach; ++k)
+      cells |= moved(seen_[static_cast<std::size_t>(row + kReach + k * d.dy)], -k * d.dx);
+    return cells;
+  }
+
+  const tile::Around<CellColumns>& columns_;
+  Bits seen_{};
+  Bits blocked_{};
 };
 
 struct Side {
@@ -64,28 +103,16 @@ struct Side {
 /// The ground on one side of a gap.
 std::optional<Side> side_of(const SeenGround& ground, const Cell& from, const Direction& d) {
   for (int k = 1; k <= kReach; ++k) {
-    const float z = ground.at(from.column + k * d.dx, from.row + k * d.dy);
-    if (z == SeenGround::kVacant) continue;
-    if (z == SeenGround::kBlocked) return std::nullopt;
-    return Side{double{z}, k};
+    const Cell at{from.column + k * d.dx, from.row + k * d.dy};
+    if (ground.is_blocked(at)) return std::nullopt;
+    if (ground.is_seen(at)) return Side{ground.height(at), k};
   }
   return std::nullopt;
-}
-
-/// Whether anything stands in a cell beside: the edge of a wall often reaches into the next cell.
-bool touches_what_stands(const SeenGround& ground, const Cell& at) {
-  for (int dy = -1; dy <= 1; ++dy) {
-    for (int dx = -1; dx <= 1; ++dx) {
-      if (ground.at(at.column + dx, at.row + dy) == SeenGround::kBlocked) return true;
-    }
-  }
-  return false;
 }
 
 /// Height of a cell between ground on both sides, where they are nearest to each other. Nothing if the gap is too wide
 /// or may hide a step.
 std::optional<double> interpolated(const SeenGround& ground, const Cell& at) {
-  constexpr std::array<Direction, 4> kDirections = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
   std::optional<double> height;
   double narrowest = kMaxGap;
   for (const Direction& d : kDirections) {
@@ -106,10 +133,10 @@ std::optional<double> interpolated(const SeenGround& ground, const Cell& at) {
 void interpolate_ground(const tile::Around<CellColumns>& columns, const VehicleCells& vehicles, tile::MapTile& tile) {
   const SeenGround ground(columns);
   for (int row = 0; row < kCellsPerTile; ++row) {
-    for (int column = 0; column < kCellsPerTile; ++column) {
+    for (std::uint64_t gaps = ground.gaps(row); gaps != 0; gaps &= gaps - 1) {
+      const int column = std::countr_zero(gaps);
       const auto i = static_cast<std::size_t>(row * kCellsPerTile + column);
       if (tile.cell_class[i] != tile::CellClass::kUnknown || vehicles.beneath[i]) continue;
-      if (ground.at(column, row) != SeenGround::kVacant || touches_what_stands(ground, {column, row})) continue;
       if (const auto z = interpolated(ground, {column, row})) make_interpolated_road(tile, i, z);
     }
   }
