@@ -8,6 +8,7 @@
 #include <curbstone/service_config_t.hpp>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -51,7 +52,7 @@ service_config_t config_message(const std::string& name, const std::string& sect
 class Process {
  public:
   Process(service_config_t config, const std::string& url, const std::string& hash, const ServiceOptions& options,
-          const std::function<std::unique_ptr<Node>(ServiceContext&)>& make)
+          const MakeNode& make)
       : config_(std::move(config)),
         bus_(url, LcmBus::WithoutRoute::kWait),
         context_{config_.service,
@@ -136,58 +137,77 @@ class Process {
   std::unique_ptr<Node> node_;
 };
 
-}  // namespace
-
-int run_service(int argc, char** argv, const ServiceOptions& options, AnyConfig& config,
-                const std::function<std::unique_ptr<Node>(ServiceContext&)>& make) {
-  use_one_heap();
-  const std::string& section = options.section;
-  CommandLine line(options.description);
-  std::string file;
-  std::string url;
-  std::string name = section;
+/// What the command line of a service says.
+struct Command {
+  std::string file;  ///< the vehicle's
   std::vector<std::string> assignments;
+  std::string url;   ///< of the bus
+  std::string name;  ///< on the bus
   int nice = 0;
   bool dump = false;
-  line.option("--config", file, "The vehicle's YAML file; its section '" + section + "' is read");
-  line.option("--set", assignments, "Set one value: KEY=VALUE, over the file").one_each();
-  line.option("--lcm-url", url, "Bus; default $LCM_DEFAULT_URL, else " + std::string(LcmBus::kDefaultUrl));
-  line.option("--name", name, "Name on the bus, unique").shows_default();
-  line.option("--nice", nice, "Yields to programs with a lower one when all want to compute").within(0, 19);
-  line.flag("--dump-config", dump, "Print the effective configuration and stop");
-  if (const auto status = line.read(argc, argv)) return *status;
-  try {
-    if (!file.empty()) load_config(file, section, options.sections, config);
-    for (const std::string& assignment : assignments) set_config_value(assignment, config);
-    if (dump) {
-      (void)std::fputs(dump_config(section, config).c_str(), stdout);  // a full disk is said at the end
-      return 0;
-    }
-  } catch (const ConfigError& error) {
-    fmt::print(stderr, "{}: {}\n", section, error.what());
-    return 2;
-  }
-  const auto wrong_config = [&](const std::exception& error) {
-    fmt::print(stderr, "{}: {}{}\n", section, file.empty() ? "" : file + ": ", error.what());
-    return 2;
+};
+
+/// Returns the exit status if the process is to end here.
+std::optional<int> read(int argc, char** argv, const ServiceOptions& options, Command& command) {
+  CommandLine line(options.description);
+  line.option("--config", command.file, "The vehicle's YAML file; its section '" + options.section + "' is read");
+  line.option("--set", command.assignments, "Set one value: KEY=VALUE, over the file").one_each();
+  line.option("--lcm-url", command.url, "Bus; default $LCM_DEFAULT_URL, else " + std::string(LcmBus::kDefaultUrl));
+  line.option("--name", command.name, "Name on the bus, unique").shows_default();
+  line.option("--nice", command.nice, "Yields to programs with a lower one when all want to compute").within(0, 19);
+  line.flag("--dump-config", command.dump, "Print the effective configuration and stop");
+  return line.read(argc, argv);
+}
+
+/// Throws ConfigError.
+void configure(const Command& command, const ServiceOptions& options, AnyConfig& config) {
+  if (!command.file.empty()) load_config(command.file, options.section, options.sections, config);
+  for (const std::string& assignment : command.assignments) set_config_value(assignment, config);
+}
+
+void run_to_the_end(Process& process, int nice) {
+  process.run();
+  if (nice != 0) set_niceness(0);  // the remaining work must end before the deputy's time-out
+  process.finish();
+}
+
+}  // namespace
+
+int run_service(int argc, char** argv, const ServiceOptions& options, AnyConfig& config, const MakeNode& make) {
+  use_one_heap();
+  Command command;
+  command.name = options.section;
+  if (const auto status = read(argc, argv, options, command)) return *status;
+  const auto end = [&](const std::string& why, int status) {
+    fmt::print(stderr, "{}: {}\n", options.section, why);
+    return status;
   };
   try {
-    if (nice != 0) set_niceness(nice);
-    std::unique_ptr<Process> process;
-    try {
-      process = std::make_unique<Process>(config_message(name, section, config), url, config_hash(section, config),
-                                          options, make);
-    } catch (const ConfigError& error) {
-      return wrong_config(error);
-    } catch (const std::invalid_argument& error) {
-      return wrong_config(error);
-    }
-    process->run();
-    if (nice != 0) set_niceness(0);  // the remaining work must end before the deputy's time-out
-    process->finish();
+    configure(command, options, config);
+  } catch (const ConfigError& error) {
+    return end(error.what(), 2);
+  }
+  if (command.dump) {
+    (void)std::fputs(dump_config(options.section, config).c_str(), stdout);  // a full disk is said at the end
+    return 0;
+  }
+  if (command.nice != 0) set_niceness(command.nice);
+  const std::string place = command.file.empty() ? "" : command.file + ": ";
+  std::unique_ptr<Process> process;
+  try {
+    process = std::make_unique<Process>(config_message(command.name, options.section, config), command.url,
+                                        config_hash(options.section, config), options, make);
+  } catch (const ConfigError& error) {
+    return end(place + error.what(), 2);
+  } catch (const std::invalid_argument& error) {
+    return end(place + error.what(), 2);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: {}\n", section, error.what());
-    return 1;
+    return end(error.what(), 1);
+  }
+  try {
+    run_to_the_end(*process, command.nice);
+  } catch (const std::exception& error) {
+    return end(error.what(), 1);
   }
   return 0;
 }

@@ -33,14 +33,16 @@ struct ServiceOptions {
   bool alone = false;  ///< a second one on the bus, under whatever name, is a fault: see SecondProcess
 };
 
+/// Builds the node of a process.
+using MakeNode = std::function<std::unique_ptr<Node>(ServiceContext&)>;
+
 /// Runs a node as a process until SIGINT or SIGTERM: parses the command line (--config FILE, --set KEY=VALUE, --lcm-url
 /// URL, --name NAME, --dump-config, --version), opens the bus, ticks the node every 20 ms, sends SERVICE_STATUS at 1 Hz
 /// and whenever a fault begins or ends, and calls Node::finish() at the end. Returns the exit status: 0 clean, 1 the
 /// environment failed (one clear line on stderr), 2 wrong usage or configuration.
 ///
 /// `make` builds the node. It may throw one clear line; ConfigError and std::invalid_argument are wrong settings.
-int run_service(int argc, char** argv, const ServiceOptions& options, AnyConfig& config,
-                const std::function<std::unique_ptr<Node>(ServiceContext&)>& make);
+int run_service(int argc, char** argv, const ServiceOptions& options, AnyConfig& config, const MakeNode& make);
 
 template <class Config>
 int run_service(int argc, char** argv, const ServiceOptions& options,
