@@ -172,7 +172,7 @@ class Tracker {
   void learn_motion(const Attempt& found, const Pose& moved, double stride);
   void begin_anew();
   void check_odometry(const Tracked& tracked, const scan::OdometryHistory& odometry);
-  void continue_by_scans(const OdometryCheck::Pair& pair, const Pose& T_odom_base);
+  void continue_by_scans(const OdometryCheck::Pair& pair);
   void note_turn(const Tracked& tracked, const scan::OdometryHistory& odometry);
   void note_odometry(const Last& before, const scan::OdometryHistory& odometry);
   void insert(const std::vector<scan::LidarPoint>& points, const Pose& T_map_base);

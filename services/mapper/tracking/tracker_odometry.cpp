@@ -14,6 +14,7 @@ constexpr double kMaxTurnChange = 0.03;  // rad, change of the turn from scan to
 constexpr double kSteady = 0.5 * mounting::MountYaw::kTurn;  // rad, a smaller change from scan to scan is a vehicle's
 constexpr int kMinSparseForFault = 10;                       // scans in a row that are a fault
 constexpr double kMaxSteadyTime = 5;                         // s for which a speed is taken as constant
+constexpr double kReach = 0.5;                               // m, within which registration finds the pose by itself
 constexpr double kMaxTiltChange = 0.0175;  // rad, change of the tilt from scan to scan that is more likely a leap
 
 double tilt_between(const Pose& a, const Pose& b) {
@@ -82,21 +83,23 @@ void Tracker::check_odometry(const Tracked& tracked, const scan::OdometryHistory
   const bool was_rejected = odometry_check_.rejects_odometry();
   odometry_check_.add(*pair);
   if (odometry_check_.agrees() && tracked.registered) agreed_ = Last{tracked.utime, tracked.T_map_base, T_odom_base};
-  if (odometry_check_.rejects_odometry() && !was_rejected) continue_by_scans(*pair, T_odom_base);
+  if (odometry_check_.rejects_odometry() && !was_rejected) continue_by_scans(*pair);
 }
 
 /// Odometry has gone wrong since it last agreed with the scans. Moves the vehicle to where the scans' speed leads from
-/// the pose of that time, with odometry's turn.
-void Tracker::continue_by_scans(const OdometryCheck::Pair& pair, const Pose& T_odom_base) {
-  scan::Twist twist;
-  twist.linear.head<2>() = pair.by_scans / pair.seconds;
+/// the pose of that time, unless registration has followed there. What it may not have shown is the way along the
+/// street; the turn it has shown, and that of odometry may be wrong as well.
+void Tracker::continue_by_scans(const OdometryCheck::Pair& pair) {
+  scan::Twist twist = twist_;
+  twist.linear << pair.by_scans / pair.seconds, 0;
   motion_.set(twist);
   twist_ = twist;
   steady_ = 0;
   const double seconds = agreed_ ? scan::seconds(agreed_->end, pair.utime) : 0;
   if (!tracking_state_.tracking() || !(seconds > 0 && seconds < kMaxSteadyTime)) return;
-  twist.angular = scan::twist_of(agreed_->T_odom_base->inverse() * T_odom_base, seconds).angular;
-  last_->T_map_base = normalised(agreed_->T_map_base * scan::move(twist, seconds));
+  twist.angular = scan::twist_of(agreed_->T_map_base.inverse() * last_->T_map_base, seconds).angular;
+  const Pose T_map_base = normalised(agreed_->T_map_base * scan::move(twist, seconds));
+  if ((T_map_base.translation() - last_->T_map_base.translation()).norm() > kReach) last_->T_map_base = T_map_base;
 }
 
 void Tracker::note_turn(const Tracked& tracked, const scan::OdometryHistory& odometry) {

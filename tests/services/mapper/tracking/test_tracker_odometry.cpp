@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/services/mapper/mapper_drive.hpp"
+#include "tests/services/mapper/round_street.hpp"
 
 namespace curbstone::mapper::tracking {
 namespace {
@@ -29,6 +30,26 @@ TEST(TrackerOdometry, ALeapOfTheTiltOfOdometryIsNotFollowed) {
     }
     EXPECT_GE(drive.mapper->counters()["odometry.not_believed"], 1) << axis.transpose();
   }
+}
+
+/// As of a gyro of twice the scale, by which the filter then disowns wheels that are right, and slows down.
+TEST(TrackerOdometry, WhereItsWayIsDeniedItsTurnIsNotBelievedEither) {
+  test::MapperDrive drive;
+  drive.world = test::round_street();
+  drive.trajectory = [](double t) { return test::around(t / 4); };
+  const double turn = test::kSpeed / test::kRadius / 4;  // rad/s
+  Pose T_odom_base = Pose::Identity();
+  for (double t = -0.05; t < 8; t += 0.01) {
+    drive.odometry.add({utime(t), T_odom_base, true, false, false});
+    T_odom_base = T_odom_base * scan::move({{t < 3 ? 3.0 : 1.0, 0, 0}, {0, 0, 2 * turn}}, 0.01);
+  }
+  for (int i = 0; i < 120; ++i) {
+    const auto update = drive.step();
+    ASSERT_TRUE(update) << i;
+    const Pose error = drive.truth(update->utime).inverse() * drive.T_world_map * update->T_map_base;
+    ASSERT_LT(angle_of(error), (i < 90 ? 4 : 1) * test::kDegree) << i;
+  }
+  EXPECT_EQ(drive.mapper->counters()["faults.odometry.way"], 1);
 }
 
 }  // namespace
