@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -84,6 +85,22 @@ void LidarMounting::judge_place() {
   if (wrong_.place && !before) counters_.add("faults.lidar.displaced");
 }
 
+void LidarMounting::judge_ranges() {
+  const auto straight = travel_.straight();
+  const auto plane = ground_.plane();
+  const double lidar = vehicle_.T_base_lidar().translation().z();
+  if (!straight || !plane || lidar <= 0) return;
+  const bool before = wrong_.ranges;
+  const double by_way = 1 / (1 + straight->length_error) - 1;
+  const double by_ground = -plane->height / lidar;
+  const double differ = std::abs(by_way - by_ground);
+  wrong_.ranges = !wrong_.tilt && beyond(by_way, kRanges, before) && beyond(by_ground, kRanges, before) &&
+                  beyond(plane->height, kRangesDepth, before) &&
+                  differ < std::max(kRangesAgree, kRangesAlike * std::abs(by_way));
+  range_error_ = by_way;
+  if (wrong_.ranges && !before) counters_.add("faults.lidar.ranges");
+}
+
 void LidarMounting::judge() {
   const Wrong before = wrong_;
   judge_mirrored();
@@ -98,6 +115,8 @@ void LidarMounting::judge() {
     wrong_.tilt = beyond(plane->along, kPitch, before.tilt) || beyond(plane->across, kRoll, before.tilt);
     wrong_.height = beyond(plane->height, kHeight, before.height);
   }
+  judge_ranges();
+  if (wrong_.ranges) wrong_.height = wrong_.size = false;
   if (wrong_.tilt && !before.tilt) counters_.add("faults.lidar.tilted");
   if (wrong_.height && !before.height) counters_.add("faults.lidar.height");
   if (wrong_.yaw && !before.yaw) counters_.add("faults.lidar.turned");
@@ -152,6 +171,12 @@ void LidarMounting::add_faults(std::vector<std::string>& faults) const {
                     "[{:.2f}, {:.2f}, {:.2f}, {:.3f}, {:.3f}, {:.3f}]",
                     what.substr(1), is[0], is[1], is[2], is[3], is[4], is[5]));
   }
+  if (wrong_.ranges)
+    faults.push_back(fmt::format(
+        "LiDAR: its ranges are {:.1f} % too {}, by the ground below it and the way driven, and so is the map: check "
+        "lidar.model and the device's range calibration; or are both the height in vehicle.lidar and "
+        "vehicle.wheel_radius wrong?",
+        100 * std::abs(range_error_), range_error_ > 0 ? "long" : "short"));
   if (wrong_.size)
     faults.push_back(
         fmt::format("WHEELS: odometry's way is {:.1f} % {} than the LiDAR's: vehicle.wheel_radius is {:.3f} m or {}",

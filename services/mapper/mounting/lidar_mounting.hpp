@@ -30,9 +30,12 @@ struct RegisteredScan {
 /// travel (TravelDirection); x and y from bends (LeverArm). With a wrong mounting the map is consistent but wrong: it
 /// leans, and its curbs are displaced from the real ones.
 ///
+/// Ranges that are too long by some percent make the ground as many percent too deep and the way by LiDAR as much too
+/// long: neither the height nor the wheels are blamed where both agree (detection::RangeScale names larger factors).
+///
 /// The limits are beyond the effect of load, tyres and cambered roads. A fault stays raised until the value is below
 /// kSettled of the limit. A function of the calls. Pure; one thread. Counters: faults.lidar.tilted, .height, .turned,
-/// .displaced, .mirrored, faults.wheels.size.
+/// .displaced, .mirrored, .ranges, faults.wheels.size.
 class LidarMounting {
  public:
   static constexpr double kPitch = 0.026;   ///< rad
@@ -43,6 +46,10 @@ class LidarMounting {
   static constexpr double kAside = 0.15;    ///< m
   static constexpr double kFewBends = 0.5;  ///< m: the limits of both are this, divided by the number of bends, more
   static constexpr double kLength = 0.04;   ///< share of the distance driven
+  static constexpr double kRanges = 0.022;  ///< share by which ranges are too long or short, by ground and way, and
+  static constexpr double kRangesDepth = 0.03;   ///< m: by the ground alone; it is known to a centimetre
+  static constexpr double kRangesAgree = 0.012;  ///< by which both may differ, or
+  static constexpr double kRangesAlike = 0.2;    ///< of the share
   static constexpr double kSettled = 0.75;
 
   explicit LidarMounting(const VehicleConfig& vehicle) : vehicle_(vehicle) {}
@@ -59,10 +66,10 @@ class LidarMounting {
   void set_stamps_are_wrong(bool wrong) { stamps_are_wrong_ = wrong; }
 
   /// Current faults: the LiDAR leans, is too high or low, is turned, is too far ahead, behind or aside, is mirrored;
-  /// the wheels are of another size.
+  /// its ranges are too long or short; the wheels are of another size.
   struct Wrong {
-    bool tilt = false, height = false, yaw = false, place = false, mirrored = false, size = false;
-    [[nodiscard]] bool any() const { return tilt || height || yaw || place || mirrored || size; }
+    bool tilt = false, height = false, yaw = false, place = false, mirrored = false, size = false, ranges = false;
+    [[nodiscard]] bool any() const { return tilt || height || yaw || place || mirrored || size || ranges; }
   };
   [[nodiscard]] const Wrong& wrong() const { return wrong_; }
   /// x y z in m, roll pitch yaw in rad: the `vehicle.lidar` that ground and direction of travel suggest.
@@ -76,6 +83,7 @@ class LidarMounting {
   void judge();
   void judge_mirrored();
   void judge_place();
+  void judge_ranges();
   [[nodiscard]] bool is_beyond_ahead() const;
   [[nodiscard]] bool is_beyond_aside() const;
   [[nodiscard]] std::string place_fault() const;
@@ -89,6 +97,7 @@ class LidarMounting {
   Eigen::Vector3d looked_ = Eigen::Vector3d::Constant(1e9);  // m, map: where the ground was last observed
   GroundPlane plane_;
   travel::TravelDirection::Straight straight_;
+  double range_error_ = 0;  // share by which ranges are too long, by the way driven
   bool stamps_are_wrong_ = false;
   travel::LeverArm::Excess excess_;  // of vehicle.lidar's x and y
   bool turns_opposite_ = false;

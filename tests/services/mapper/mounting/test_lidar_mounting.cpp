@@ -21,11 +21,12 @@ class LidarMountingTest : public ::testing::Test {
     for (; t_ < end; t_ += 0.1) {
       T_world_base_ = T_world_base_ * scan::move({{3, 0, 0}, {0, 0, turn}}, 0.1);
       const Pose T_assumed = VehicleConfig{}.T_base_lidar();
-      const Pose T_map_base = T_world_base_ * drive_.T_base_lidar * T_assumed.inverse();
+      Pose T_map_base = T_world_base_ * drive_.T_base_lidar * T_assumed.inverse();
+      T_map_base.translation() *= ranges_;
       points_ = drive_.world.snapshot(T_world_base_, drive_.T_base_lidar);
       for (scan::LidarPoint& point : points_) {  // snapshot() gives true base_link
         const Eigen::Vector3d p = point.position.cast<double>();
-        point.position = (T_assumed * drive_.T_base_lidar.inverse() * p).cast<float>();
+        point.position = (T_assumed * (ranges_ * (drive_.T_base_lidar.inverse() * p))).cast<float>();
       }
       Pose T_odom_base = T_world_base_;
       T_odom_base.translation() *= odometry_scale_;
@@ -55,6 +56,7 @@ class LidarMountingTest : public ::testing::Test {
   Pose T_world_base_ = Pose::Identity();
   double t_ = 0;
   double odometry_scale_ = 1;
+  double ranges_ = 1;  // times what they should be
   bool fits_ = true;
   LidarMounting mounting_{VehicleConfig{}};
 };
@@ -141,6 +143,30 @@ TEST_F(LidarMountingTest, WheelsOfAnotherSizeAreReported) {
   EXPECT_NEAR(mounting_.wheel_radius(), 0.17 / 1.06, 0.001);
   EXPECT_THAT(fault(),
               HasSubstr("odometry's way is 6.0 % longer than the LiDAR's: vehicle.wheel_radius is 0.160 m or less"));
+}
+
+TEST_F(LidarMountingTest, RangesThatAreSomePercentLongOrShortAreBlamedOnNeitherHeightNorWheels) {
+  for (const double ranges : {1.03, 0.97, 1.06, 0.9, 1.12}) {
+    mounting_ = LidarMounting(VehicleConfig{});
+    ranges_ = ranges;
+    drive(25);
+    EXPECT_TRUE(mounting_.wrong().ranges) << ranges;
+    EXPECT_FALSE(mounting_.wrong().height || mounting_.wrong().size) << ranges;
+    EXPECT_THAT(fault(), HasSubstr(ranges > 1 ? "too long, by the ground" : "too short, by the ground")) << ranges;
+    EXPECT_EQ(mounting_.counters()["faults.lidar.ranges"], 1);
+    EXPECT_EQ(mounting_.counters()["faults.wheels.size"], 0);
+  }
+}
+
+TEST_F(LidarMountingTest, AnotherHeightOrOtherWheelsAloneAreNotRanges) {
+  mount(1.83, 0, 0, 0);
+  drive(25);
+  EXPECT_FALSE(mounting_.wrong().ranges);
+  mounting_ = LidarMounting(VehicleConfig{});
+  mount(1.73, 0, 0, 0);
+  odometry_scale_ = 0.96;
+  drive(25);
+  EXPECT_FALSE(mounting_.wrong().ranges);
 }
 
 TEST_F(LidarMountingTest, WhatOnlyOdometryTellsSaysNothingOfTheWheels) {

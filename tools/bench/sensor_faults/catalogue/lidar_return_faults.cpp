@@ -39,6 +39,8 @@ std::vector<Fault> lidar_return_faults() {
                   ranges([](double range, const Point&) { return range + 0.10; })),
       lidar_fault("ranges 8 cm short", "every range is 8 cm too short", kOnTheWay,
                   ranges([](double range, const Point&) { return range - 0.08; })),
+      lidar_fault("ranges 3 % long", "every range is 3 % too long", kFromTheBeginning,
+                  ranges([](double range, const Point&) { return 1.03 * range; })),
       lidar_fault("ranges in steps of 20 cm", "ranges are rounded", kOnTheWay,
                   ranges([](double range, const Point&) { return std::round(range / 0.2) * 0.2; })),
       lidar_fault(
