@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <unordered_set>
@@ -56,14 +57,19 @@ void append_marking_cells(TileKey key, const MapBox& box, const std::vector<mark
   }
 }
 
+/// The next tile along an axis; beyond the last one, the first: any key may come from the bus.
+std::int32_t beside(std::int32_t tile, int step) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(tile) + static_cast<std::uint32_t>(step));
+}
+
 /// The tiles whose cells can belong to a marking: those with a strong cell, and their neighbours. A line follows strong
-/// cells, and counts no others farther than 2 m from them.
+/// cells, and counts no others that are as far from them as a tile is wide.
 std::unordered_set<TileKey, TileKeyHash> tiles_near_paint(const MapLineSources& sources) {
   std::unordered_set<TileKey, TileKeyHash> near;
   for (const auto& [key, tile] : sources.tiles) {
     if (std::ranges::none_of(*tile.markings, &markings::MarkingCell::is_strong)) continue;
-    for (std::int32_t x = key.x - 1; x <= key.x + 1; ++x) {
-      for (std::int32_t y = key.y - 1; y <= key.y + 1; ++y) near.insert({x, y});
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) near.insert({beside(key.x, dx), beside(key.y, dy)});
     }
   }
   return near;

@@ -12,8 +12,12 @@
 namespace curbstone::semantic_map {
 namespace {
 
-/// A street with a kerb at y = 1 and paint along y = -1.
-std::vector<tile::VotedTile> street() {
+int with_paint(double y) {
+  return std::abs(y + 1) < 0.06 ? 200 : 64;
+}
+
+/// A street with a kerb at y = 1 and paint along y = -1. `intensity`: of the ground, by y in m.
+std::vector<tile::VotedTile> street(int (*intensity)(double y) = with_paint) {
   SyntheticCloud cloud;
   cloud.ground(-6, -6, 6, 6, 150, [](double x, double y) { return 0.02 * x + (y > 1 ? 0.1 : 0.0); });
   detect::cloud_map::CloudMap counts;
@@ -24,7 +28,7 @@ std::vector<tile::VotedTile> street() {
     tile.intensity.clear();
     for (const tile::VotedPoint& p : tile.points) {
       const double y = tile.key.y * kTileSize + double{p.y};
-      tile.intensity.push_back(std::abs(y + 1) < 0.06 ? 200 : 64);
+      tile.intensity.push_back(static_cast<std::uint8_t>(intensity(y)));
     }
   }
   return tiles;
@@ -76,6 +80,18 @@ TEST_F(LinkedStreet, IsWhatItWasWhenItsLinesWereAskedFor) {
   EXPECT_FALSE(whole.curbs.empty());
   EXPECT_FALSE(whole.markings.empty());
   EXPECT_EQ(whole.markings, all_markings(pipeline, whole.curbs, path, {})) << "cells far from paint change nothing";
+}
+
+/// Mended asphalt, broad and pale, is told from paint by the tar along its edge, here in tiles without anything bright.
+TEST_F(LinkedStreet, HasItsPaintMeasuredAcrossTheEdgesOfTiles) {
+  const auto mended = [](double y) { return y > -0.5 && y < 0 ? 95 : y >= 0 && y < 0.25 ? 10 : 64; };
+  for (const tile::VotedTile& tile : street(mended)) pipeline.set_voted(tile);
+  pipeline.settle();
+  drive(0);
+  drive(1);
+  const tile::MapLines lines = at_once();
+  EXPECT_TRUE(lines.markings.empty());
+  EXPECT_EQ(lines.markings, all_markings(pipeline, lines.curbs, path, {}));
 }
 
 TEST_F(LinkedStreet, IsLinkedWithoutThePipelineThatMadeIt) {
