@@ -28,7 +28,8 @@ class HeadTracker {
 
   /// `blind`: how far the head may turn without firing.
   Step follow(const Packet& packet, double blind = 0);
-  /// The clock was set, us: the next packet is as much later than the last one as that, and nothing was lost over it.
+  /// The clock of the packets was set by that many us: the step between two packets is no time in which the head
+  /// turned.
   void clock_was_set(std::int64_t by) {
     if (last_) last_->utime += by;
   }

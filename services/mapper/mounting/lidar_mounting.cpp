@@ -85,6 +85,7 @@ void LidarMounting::judge_place() {
   if (wrong_.place && !before) counters_.add("faults.lidar.displaced");
 }
 
+/// The way by LiDAR is as many times too long as the ranges are; length_error is that of odometry's against it.
 void LidarMounting::judge_ranges() {
   const auto straight = travel_.straight();
   const auto plane = ground_.plane();

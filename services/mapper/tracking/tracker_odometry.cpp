@@ -82,7 +82,7 @@ void Tracker::check_odometry(const Tracked& tracked, const scan::OdometryHistory
   if (!pair) return;
   const bool was_rejected = odometry_check_.rejects_odometry();
   odometry_check_.add(*pair);
-  if (odometry_check_.agrees() && tracked.registered) agreed_ = Last{tracked.utime, tracked.T_map_base, T_odom_base};
+  if (odometry_check_.agrees() && tracked.registered) agreed_ = Last{tracked.utime, tracked.T_map_base};
   if (odometry_check_.rejects_odometry() && !was_rejected) continue_by_scans(*pair);
 }
 
