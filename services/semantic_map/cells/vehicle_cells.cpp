@@ -3,19 +3,17 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
-
-#include "services/semantic_map/cells/vehicle_outline.hpp"
 
 namespace curbstone::semantic_map::cells {
 
 namespace {
 
 constexpr int kWindow = 3 * kCellsPerTile;  // cells
-constexpr std::size_t kMaxTiles = 512;      // 1.6 kB each; tiles with vehicles in sight are fewer
 constexpr int kHighCells = 10;              // as high as `min_vehicle`: less is a post or a bin
 
-using CellPlace = VehicleOutline::Cell;  // in the window
+using CellPlace = VehicleOutline::Cell;  // from the centre tile's corner
 
 /// Connected components of standing cells.
 struct Thing {
@@ -33,8 +31,7 @@ class StandingCells {
         for (std::size_t cell = tile->blocked._Find_first(); cell < tile::kCellsInTile;
              cell = tile->blocked._Find_next(cell)) {
           const auto i = static_cast<int>(cell);
-          const CellPlace at((dx + 1) * kCellsPerTile + i % kCellsPerTile,
-                             (dy + 1) * kCellsPerTile + i / kCellsPerTile);
+          const CellPlace at(dx * kCellsPerTile + i % kCellsPerTile, dy * kCellsPerTile + i / kCellsPerTile);
           state_[index(at)] = tile->high[cell] ? kHigh : kLow;
           places_.push_back(at);
         }
@@ -60,7 +57,9 @@ class StandingCells {
  private:
   enum State : std::uint8_t { kNothing, kLow, kHigh };
   static constexpr int kRow = kWindow + 2;  ///< with a cell beyond the window on each side, where nothing stands
-  static std::size_t index(CellPlace at) { return static_cast<std::size_t>((at.y() + 1) * kRow + at.x() + 1); }
+  static std::size_t index(CellPlace at) {
+    return static_cast<std::size_t>((at.y() + kCellsPerTile + 1) * kRow + at.x() + kCellsPerTile + 1);
+  }
   void take_cell(CellPlace at, Thing& thing) {
     State& state = state_[index(at)];
     if (state == kNothing) return;
@@ -72,41 +71,6 @@ class StandingCells {
   std::vector<CellPlace> places_;
 };
 
-VehicleCells find_among(const tile::Around<CellColumns>& columns) {
-  VehicleCells vehicles;
-  StandingCells standing(columns);
-  const auto in_tile = [](CellPlace at) {
-    return static_cast<std::size_t>((at.y() - kCellsPerTile) * kCellsPerTile + at.x() - kCellsPerTile);
-  };
-  for (const CellPlace& place : standing.places()) {
-    const Thing thing = standing.take(place);
-    if (thing.high < kHighCells) continue;
-    const auto outline = VehicleOutline::of(thing.cells);
-    if (!outline) continue;
-    for (int row = kCellsPerTile; row < 2 * kCellsPerTile; ++row) {
-      for (int column = kCellsPerTile; column < 2 * kCellsPerTile; ++column) {
-        const CellPlace at(column, row);
-        if (outline->contains(at)) vehicles.beneath.set(in_tile(at));
-      }
-    }
-  }
-  return vehicles;
-}
-
-StandingAround standing_around(const tile::Around<CellColumns>& columns) {
-  StandingAround around;
-  std::size_t i = 0;
-  for (int dy = -1; dy <= 1; ++dy) {
-    for (int dx = -1; dx <= 1; ++dx, i += 2) {
-      const CellColumns* const tile = columns.at(dx, dy);
-      if (tile == nullptr) continue;
-      around[i] = tile->blocked;
-      around[i + 1] = tile->high;
-    }
-  }
-  return around;
-}
-
 /// Shortcut: most tiles have nothing as high as a vehicle nearby.
 bool may_hold_vehicles(const tile::Around<CellColumns>& columns) {
   std::size_t num_high = 0;
@@ -114,21 +78,50 @@ bool may_hold_vehicles(const tile::Around<CellColumns>& columns) {
   return num_high >= kHighCells;
 }
 
-}  // namespace
-
-VehicleCells find_vehicles(const tile::Around<CellColumns>& columns) {
-  return may_hold_vehicles(columns) ? find_among(columns) : VehicleCells{};
+bool has_middle_in_tile(const std::vector<CellPlace>& cells) {
+  CellPlace least = cells.front();
+  CellPlace most = cells.front();
+  for (const CellPlace& at : cells) {
+    least = least.cwiseMin(at);
+    most = most.cwiseMax(at);
+  }
+  const Eigen::Array2i twice_the_middle = (least + most).array();
+  return (twice_the_middle >= 0).all() && (twice_the_middle < 2 * kCellsPerTile).all();
 }
 
-VehicleCells VehicleCache::find(TileKey key, const tile::Around<CellColumns>& columns) {
-  if (!may_hold_vehicles(columns)) return {};
-  const StandingAround around = standing_around(columns);
-  const auto it = found_.find(key);
-  if (it != found_.end() && it->second.around == around) return it->second.vehicles;
-  if (it == found_.end() && found_.size() >= kMaxTiles) found_.clear();
-  const VehicleCells vehicles = find_among(columns);
-  found_.insert_or_assign(key, Found{around, vehicles});
+}  // namespace
+
+std::vector<VehicleOutline> find_vehicles(const tile::Around<CellColumns>& columns) {
+  std::vector<VehicleOutline> vehicles;
+  if (!may_hold_vehicles(columns)) return vehicles;
+  StandingCells standing(columns);
+  for (const CellPlace& place : standing.places()) {
+    const Thing thing = standing.take(place);
+    if (thing.high < kHighCells || !has_middle_in_tile(thing.cells)) continue;
+    if (auto outline = VehicleOutline::of(thing.cells)) vehicles.push_back(std::move(*outline));
+  }
   return vehicles;
+}
+
+VehicleCells cover_vehicles(const tile::Around<std::vector<VehicleOutline>>& vehicles) {
+  VehicleCells covered;
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      if (vehicles.at(dx, dy) == nullptr) continue;
+      const CellPlace corner(dx * kCellsPerTile, dy * kCellsPerTile);
+      for (const VehicleOutline& outline : *vehicles.at(dx, dy)) {
+        const CellPlace least = (outline.least() + corner).cwiseMax(0);
+        const CellPlace most = (outline.most() + corner).cwiseMin(kCellsPerTile - 1);
+        for (int row = least.y(); row <= most.y(); ++row) {
+          for (int column = least.x(); column <= most.x(); ++column) {
+            if (outline.contains(CellPlace(column, row) - corner))
+              covered.beneath.set(static_cast<std::size_t>(row * kCellsPerTile + column));
+          }
+        }
+      }
+    }
+  }
+  return covered;
 }
 
 }  // namespace curbstone::semantic_map::cells

@@ -1,38 +1,26 @@
 #pragma once
 
-#include <array>
 #include <bitset>
-#include <unordered_map>
+#include <vector>
 
 #include "common/tiles/tile.hpp"
 #include "services/semantic_map/cells/cell_columns.hpp"
+#include "services/semantic_map/cells/vehicle_outline.hpp"
 
 namespace curbstone::semantic_map::cells {
 
+/// What stands in the tiles around, is of the size of a vehicle and has the middle of its extent in the centre tile, in
+/// cells from the centre tile's corner. So each vehicle is one tile's alone, which sees a vehicle of 6 m from end to
+/// end, and of a longer one not more than its window of 9 m. Pure.
+[[nodiscard]] std::vector<VehicleOutline> find_vehicles(const tile::Around<CellColumns>& columns);
+
 /// Cells of the centre tile that belong to an object of the size of a vehicle: its points, of a low bonnet as of the
 /// roof, and the ground inside its outline. Light gets under a vehicle, so ground may be seen within the outline, but
-/// nobody can drive there. Uses the 9 m around.
+/// nobody can drive there.
 struct VehicleCells {
   std::bitset<tile::kCellsInTile> beneath;  ///< see VehicleOutline; what stands is included
 };
-[[nodiscard]] VehicleCells find_vehicles(const tile::Around<CellColumns>& columns);
-
-/// The only inputs of find_vehicles(): for each tile around, the cells that are standing and those that are high.
-using StandingAround = std::array<std::bitset<tile::kCellsInTile>, 18>;
-
-/// Caches find_vehicles() for a caller that asks for the same tiles repeatedly: often nothing that stands in or around
-/// a tile has changed, and the result is the same. A value type; one thread.
-class VehicleCache {
- public:
-  /// The same as find_vehicles(). `key`: of the centre tile.
-  [[nodiscard]] VehicleCells find(TileKey key, const tile::Around<CellColumns>& columns);
-
- private:
-  struct Found {
-    StandingAround around;
-    VehicleCells vehicles;
-  };
-  std::unordered_map<TileKey, Found, TileKeyHash> found_;  // of kMaxTiles at most
-};
+/// `vehicles`: of each tile around, from its own corner.
+[[nodiscard]] VehicleCells cover_vehicles(const tile::Around<std::vector<VehicleOutline>>& vehicles);
 
 }  // namespace curbstone::semantic_map::cells

@@ -19,6 +19,7 @@ constexpr double kMinLength = 1.2;    // m: one side of a small car seen from be
 constexpr double kMinSide = 0.6;      // m: a side that is shorter has no direction
 constexpr double kOnSide = 0.4;       // m: largest distance of a cell from its side: windows lean inwards
 constexpr double kMinSideSeen = 0.7;  // share of a side's length along which cells were seen
+constexpr double kHalf = 0.5;         // cells: a cell reaches that far from its centre
 
 int turn(const Eigen::Vector2i& a, const Eigen::Vector2i& b, const Eigen::Vector2i& c) {
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
@@ -62,6 +63,7 @@ std::optional<VehicleOutline> VehicleOutline::of(const std::vector<Cell>& cells)
   VehicleOutline outline;
   outline.hull_ = convex_hull(cells);
   outline.complete(cells);
+  outline.bound();
   return outline;
 }
 
@@ -115,8 +117,24 @@ void VehicleOutline::complete(const std::vector<Cell>& cells) {
   }
 }
 
+void VehicleOutline::bound() {
+  least_ = most_ = hull_.front();
+  const auto reach = [this](Cell cell) {
+    least_ = least_.cwiseMin(cell);
+    most_ = most_.cwiseMax(cell);
+  };
+  for (const Cell& corner : hull_) reach(corner);
+  if (!rectangle_) return;
+  for (const double x : {rectangle_->least.x() - kHalf, rectangle_->most.x() + kHalf}) {
+    for (const double y : {rectangle_->least.y() - kHalf, rectangle_->most.y() + kHalf}) {
+      const Eigen::Vector2d corner = rectangle_->axes * Eigen::Vector2d(x, y);
+      reach(corner.array().floor().matrix().cast<int>());
+      reach(corner.array().ceil().matrix().cast<int>());
+    }
+  }
+}
+
 bool VehicleOutline::contains(Cell cell) const {
-  constexpr double kHalf = 0.5;  // a cell reaches that far from its centre
   if (rectangle_) {
     const Eigen::Array2d along = (rectangle_->axes.transpose() * cell.cast<double>()).array();
     if ((along >= rectangle_->least.array() - kHalf).all() && (along <= rectangle_->most.array() + kHalf).all())

@@ -17,6 +17,10 @@ class VehicleOutline {
   /// `cells`: connected, each once. Nothing if they are smaller or larger than a vehicle, along their principal axes.
   [[nodiscard]] static std::optional<VehicleOutline> of(const std::vector<Cell>& cells);
   [[nodiscard]] bool contains(Cell cell) const;
+  /// No cell beyond these, in x or in y, is contained.
+  [[nodiscard]] Cell least() const { return least_; }
+  [[nodiscard]] Cell most() const { return most_; }
+  bool operator==(const VehicleOutline&) const = default;
 
  private:
   /// Extent of the cells' centres, in cells, along and across a direction.
@@ -24,11 +28,15 @@ class VehicleOutline {
     Eigen::Matrix2d axes;  // in its columns
     Eigen::Vector2d least;
     Eigen::Vector2d most;
+    bool operator==(const Rectangle&) const = default;
   };
   [[nodiscard]] static Rectangle bounds(const std::vector<Cell>& cells, const Eigen::Matrix2d& axes);
   [[nodiscard]] static double sides_seen(const std::vector<Cell>& cells, const Rectangle& rectangle);
   void complete(const std::vector<Cell>& cells);
+  void bound();
 
+  Cell least_ = Cell::Zero();
+  Cell most_ = Cell::Zero();
   std::vector<Cell> hull_;              // counter-clockwise
   std::optional<Rectangle> rectangle_;  // if two sides were seen
 };

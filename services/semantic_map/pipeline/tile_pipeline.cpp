@@ -27,20 +27,6 @@ TilePipeline::Tile* TilePipeline::find(TileKey key) {
   return it == tiles_.end() ? nullptr : &it->second;
 }
 
-/// Calls visit(key, tile) for the tile and those of its neighbours that exist.
-template <class Visit>
-void TilePipeline::for_around(TileKey key, Visit visit) {
-  constexpr std::int64_t kMin = std::numeric_limits<std::int32_t>::min();
-  constexpr std::int64_t kMax = std::numeric_limits<std::int32_t>::max();
-  for (std::int64_t y = std::int64_t{key.y} - 1; y <= std::int64_t{key.y} + 1; ++y) {
-    for (std::int64_t x = std::int64_t{key.x} - 1; x <= std::int64_t{key.x} + 1; ++x) {
-      if (x < kMin || x > kMax || y < kMin || y > kMax) continue;
-      const TileKey neighbour{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
-      if (Tile* tile = find(neighbour)) visit(neighbour, *tile);
-    }
-  }
-}
-
 /// The products of the tile and its neighbours; get(tile) returns a pointer to that of one tile.
 template <class T, class Get>
 tile::Around<T> TilePipeline::around(TileKey key, Get get) {
@@ -65,21 +51,6 @@ bool TilePipeline::unmark(Step step, Tile& tile) {
   if (tile.stale[step] == kFresh) return false;
   stale_[step].erase(std::exchange(tile.stale[step], kFresh));
   return true;
-}
-
-/// Wakes the tiles that compute() reads.
-void TilePipeline::wake_for(Step step, TileKey key, Tile& tile) {
-  switch (step) {
-    case kCurbs:  // reads the evidence, which never sleeps
-      return;
-    case kSamples:
-    case kColumns:
-    case kPaint:
-      wake(key, tile);
-      return;
-    default:
-      for_around(key, [this](TileKey k, Tile& t) { wake(k, t); });
-  }
 }
 
 std::optional<VotedChange> TilePipeline::apply(const tile::VotedStep& step) {
@@ -144,7 +115,7 @@ void TilePipeline::clear() {
 void TilePipeline::refresh(Step step, TileKey key, Tile& tile) {
   // Costs in units of the evidence of an average tile, as measured in a town. That of the evidence itself is counted
   // (cost_of()), and that of the curbs depends on the number of candidates.
-  constexpr std::array kCost = {0.1, 0.2, 0.0, 0.1, 0.01, 0.05, 0.1, 0.1};
+  constexpr std::array kCost = {0.1, 0.2, 0.0, 0.1, 0.01, 0.01, 0.05, 0.1, 0.1};
   constexpr double kCandidateCost = 0.0035;
   if (!unmark(step, tile)) return;
   wake_for(step, key, tile);
@@ -154,10 +125,10 @@ void TilePipeline::refresh(Step step, TileKey key, Tile& tile) {
     for_around(key, [&](TileKey, Tile& t) { result_.cost += kCandidateCost * static_cast<double>(t.evidence.size()); });
   num_evidence_ += step == kEvidence ? 1 : 0;
   std::visit([&](auto&& product) { take(key, tile, std::forward<decltype(product)>(product)); },
-             compute(step, key, tile, &vehicles_));
+             compute(step, key, tile));
 }
 
-TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& tile, cells::VehicleCache* vehicles) {
+TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& tile) {
   const auto models = [&] { return around<ground::GroundModel>(key, [](Tile& t) { return &t.ground; }); };
   switch (step) {
     case kSamples:
@@ -167,11 +138,13 @@ TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& 
     case kEvidence:
       return curbs::find_curb_evidence(around<tile::VotedTile>(key, [](Tile& t) { return &t.layers->voted; }),
                                        ground::GroundSurface(models()), curb_);
+    case kVehicles:
+      return cells::find_vehicles(around<cells::CellColumns>(key, [](Tile& t) { return &t.layers->columns; }));
     case kCurbs:
       return curbs::filter_curbs(around<std::vector<curbs::CurbCandidate>>(key, [](Tile& t) { return &t.evidence; }),
                                  curb_);
     case kClasses:
-      return classify(key, tile, vehicles);
+      return classify(key, tile);
     case kPaint:
       return markings::accumulate_paint(tile.layers->voted, ground::GroundSurface(models()));
     case kMarkings:
@@ -186,20 +159,20 @@ TilePipeline::Product TilePipeline::compute(Step step, TileKey key, const Tile& 
   return std::monostate{};
 }
 
-tile::MapTile TilePipeline::classify(TileKey key, const Tile& tile, cells::VehicleCache* vehicles) {
+tile::MapTile TilePipeline::classify(TileKey key, const Tile& tile) {
   tile::MapTile result;
   result.key = key;
   result.utime = tile.layers->voted.utime;
   result.curbs_utime = tile.curbs_utime;
   result.z_origin = tile.layers->voted.z_origin;
   const auto columns = around<cells::CellColumns>(key, [](Tile& t) { return &t.layers->columns; });
-  const cells::VehicleCells outlines =
-      vehicles != nullptr ? vehicles->find(key, columns) : cells::find_vehicles(columns);
+  const cells::VehicleCells vehicles =
+      cells::cover_vehicles(around<std::vector<cells::VehicleOutline>>(key, [](Tile& t) { return &t.vehicles; }));
   cells::classify_cells(columns, around<std::vector<curbs::CurbPoint>>(key, [](Tile& t) { return t.curbs.get(); }),
-                        outlines, classes_, result);
+                        vehicles, classes_, result);
   if (const auto driven = driven_.find(key); driven != driven_.end()) {
     const ground::GroundSurface ground(around<ground::GroundModel>(key, [](Tile& t) { return &t.ground; }));
-    cells::add_driven_road(*columns.centre(), driven->second, outlines, ground, result);
+    cells::add_driven_road(*columns.centre(), driven->second, vehicles, ground, result);
   }
   return result;
 }
@@ -251,7 +224,17 @@ void TilePipeline::measure_columns(TileKey key, Tile& tile) {
   }
   cells::ColumnAccumulator& accumulator = at->second.accumulator;
   accumulator.add(tile.layers->voted.points.places().subspan(accumulator.num_points()));
-  if (accumulator.read(tile.layers->columns)) mark_around(kClasses, key);
+  cells::CellColumns& columns = tile.layers->columns;
+  const auto stood = std::pair(columns.blocked, columns.high);
+  if (!accumulator.read(columns)) return;
+  mark_around(kClasses, key);
+  if (stood != std::pair(columns.blocked, columns.high)) mark_around(kVehicles, key);
+}
+
+void TilePipeline::take(TileKey key, Tile& tile, std::vector<cells::VehicleOutline> vehicles) {
+  if (vehicles == tile.vehicles) return;
+  tile.vehicles = std::move(vehicles);
+  mark_around(kClasses, key);
 }
 
 void TilePipeline::take(TileKey key, Tile& tile, std::vector<curbs::CurbPoint> curbs) {
@@ -309,6 +292,7 @@ void TilePipeline::update_columns(TileKey key) {
   } else {
     refresh(kColumns, key, *tile);
   }
+  refresh(kVehicles, key, *tile);
   refresh(kClasses, key, *tile);
 }
 

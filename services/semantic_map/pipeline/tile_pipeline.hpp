@@ -28,7 +28,7 @@ namespace curbstone::semantic_map::pipeline {
 /// From voted points to the semantic map, tile by tile:
 ///
 ///   voted points -> ground samples -> [3x3] ground model -> [3x3] curb evidence -> [3x3] curbs ---> [3x3] classes
-///                                                       \-> columns --------------------------/
+///                                                       \-> columns -> [3x3] vehicles -> [3x3] -/
 ///                                          [3x3] ground -> paint -> [3x3] marking cells <- [3x3] curbs, classes
 ///
 /// Each step of a tile is a pure function of earlier steps of the tile and of its eight neighbours (compute()). A step
@@ -92,18 +92,19 @@ class TilePipeline {
   [[nodiscard]] std::int64_t num_evidence() const { return num_evidence_; }
 
  private:
-  enum Step { kSamples, kGround, kEvidence, kColumns, kCurbs, kClasses, kPaint, kMarkings, kNumSteps };
+  enum Step { kSamples, kGround, kEvidence, kColumns, kVehicles, kCurbs, kClasses, kPaint, kMarkings, kNumSteps };
   /// The steps that an update of a tile computes; the others are computed when they are the oldest stale step.
-  static constexpr std::array kUrgentSteps = {kSamples, kGround, kEvidence, kColumns, kCurbs, kClasses};
+  static constexpr std::array kUrgentSteps = {kSamples, kGround, kEvidence, kColumns, kVehicles, kCurbs, kClasses};
   static constexpr std::array kPatientSteps = {kPaint, kMarkings};
   static constexpr std::int64_t kFresh = 0;
   struct Tile {
     layers::SleepingLayers layers;
     ground::GroundModel ground;
     std::vector<curbs::CurbCandidate> evidence;
-    double update_cost = 0;           ///< WorkResult::cost of its last update; 0: there was none
-    std::int64_t evidence_utime = 0;  ///< us, of the newest points in which evidence was searched
-    bool has_new_evidence = true;     ///< the evidence here or around differs from that of `curbs`
+    std::vector<cells::VehicleOutline> vehicles;  ///< in cells from the tile's corner
+    double update_cost = 0;                       ///< WorkResult::cost of its last update; 0: there was none
+    std::int64_t evidence_utime = 0;              ///< us, of the newest points in which evidence was searched
+    bool has_new_evidence = true;                 ///< the evidence here or around differs from that of `curbs`
     std::shared_ptr<const std::vector<curbs::CurbPoint>> curbs = std::make_shared<std::vector<curbs::CurbPoint>>();
     std::int64_t curbs_utime = 0;  ///< us, of the evidence
     std::shared_ptr<const tile::MapTile> classes;
@@ -120,6 +121,7 @@ class TilePipeline {
   void let_sleep();
   template <class T, class Get>
   tile::Around<T> around(TileKey key, Get get);
+  /// Calls visit(key, tile) for the tile and those of its neighbours that exist.
   template <class Visit>
   void for_around(TileKey key, Visit visit);
 
@@ -136,15 +138,15 @@ class TilePipeline {
   void refresh(Step step, TileKey key, Tile& tile);
   /// The result of a step. compute() reads the results of earlier steps, and changes nothing.
   using Product = std::variant<std::monostate, ground::GroundSamples, ground::GroundModel, curbs::CurbEvidence,
-                               std::vector<curbs::CurbPoint>, tile::MapTile, markings::PaintLayer,
-                               std::vector<markings::MarkingCell>>;
-  /// `vehicles`: a cache that no other thread uses; nullptr: none.
-  [[nodiscard]] Product compute(Step step, TileKey key, const Tile& tile, cells::VehicleCache* vehicles);
-  [[nodiscard]] tile::MapTile classify(TileKey key, const Tile& tile, cells::VehicleCache* vehicles);
+                               std::vector<cells::VehicleOutline>, std::vector<curbs::CurbPoint>, tile::MapTile,
+                               markings::PaintLayer, std::vector<markings::MarkingCell>>;
+  [[nodiscard]] Product compute(Step step, TileKey key, const Tile& tile);
+  [[nodiscard]] tile::MapTile classify(TileKey key, const Tile& tile);
   void take(TileKey key, Tile& tile, std::monostate columns);
   void take(TileKey key, Tile& tile, const ground::GroundSamples& samples);
   void take(TileKey key, Tile& tile, const ground::GroundModel& ground);
   void take(TileKey key, Tile& tile, curbs::CurbEvidence evidence);
+  void take(TileKey key, Tile& tile, std::vector<cells::VehicleOutline> vehicles);
   void take(TileKey key, Tile& tile, std::vector<curbs::CurbPoint> curbs);
   void take(TileKey key, Tile& tile, const tile::MapTile& classes);
   void take(TileKey key, Tile& tile, markings::PaintLayer paint);
@@ -167,7 +169,6 @@ class TilePipeline {
     bool ground_moved = false;  ///< the ground has changed since the accumulator was made
   };
   std::unordered_map<TileKey, GroundedAccumulator, TileKeyHash> accumulators_;
-  cells::VehicleCache vehicles_;   ///< for tiles that are computed one by one
   LruOrder uses_;                  ///< of the tiles that are awake, by now_
   LruOrder visits_;                ///< likewise, of tiles that were woken for kOldestStep alone
   bool does_old_step_ = false;     ///< the present work is kOldestStep
@@ -179,5 +180,18 @@ class TilePipeline {
   std::vector<TileKey> changed_;           ///< for take_changed()
   std::int64_t num_evidence_ = 0;
 };
+
+template <class Visit>
+void TilePipeline::for_around(TileKey key, Visit visit) {
+  constexpr std::int64_t kMin = std::numeric_limits<std::int32_t>::min();
+  constexpr std::int64_t kMax = std::numeric_limits<std::int32_t>::max();
+  for (std::int64_t y = std::int64_t{key.y} - 1; y <= std::int64_t{key.y} + 1; ++y) {
+    for (std::int64_t x = std::int64_t{key.x} - 1; x <= std::int64_t{key.x} + 1; ++x) {
+      if (x < kMin || x > kMax || y < kMin || y > kMax) continue;
+      const TileKey neighbour{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y)};
+      if (Tile* tile = find(neighbour)) visit(neighbour, *tile);
+    }
+  }
+}
 
 }  // namespace curbstone::semantic_map::pipeline

@@ -38,7 +38,7 @@ void TilePipeline::settle_step(Step step, int threads) {
     for (const auto& [key, tile] : tiles) wake_for(step, key, *tile);
     products.resize(std::max(products.size(), tiles.size()));
     parallel_for(tiles.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) products[i] = compute(step, tiles[i].first, *tiles[i].second, nullptr);
+      for (std::size_t i = begin; i < end; ++i) products[i] = compute(step, tiles[i].first, *tiles[i].second);
     });
     num_evidence_ += step == kEvidence ? static_cast<std::int64_t>(tiles.size()) : 0;
     for (std::size_t i = 0; i < tiles.size(); ++i) {

@@ -16,6 +16,21 @@ void TilePipeline::wake(TileKey key, Tile& tile) {
   uses_.used(key, now_);
 }
 
+/// Wakes the tiles that compute() reads.
+void TilePipeline::wake_for(Step step, TileKey key, Tile& tile) {
+  switch (step) {
+    case kCurbs:  // reads the evidence, which never sleeps
+      return;
+    case kSamples:
+    case kColumns:
+    case kPaint:
+      wake(key, tile);
+      return;
+    default:
+      for_around(key, [this](TileKey k, Tile& t) { wake(k, t); });
+  }
+}
+
 void TilePipeline::sleep(TileKey key) {
   uses_.erase(key);
   visits_.erase(key);

@@ -66,7 +66,7 @@ TEST(Classes, APointOnTheEdgeOfACellBlocksBothAndASingleOneOnlyBesideOthers) {
   put(20, 20, {.points = 5, .ground_points = 5, .blocking_points = 1});  // alone
   around.set(0, 0, columns.get());
   tile::MapTile tile;
-  classify_cells(around, {}, find_vehicles(around), parameters, tile);
+  classify_cells(around, {}, {}, parameters, tile);
   const auto class_of = [&](int column, int row) {
     return tile.cell_class[static_cast<std::size_t>(row * kCellsPerTile + column)];
   };
@@ -95,7 +95,7 @@ TEST(Classes, StraysOfAWallOverOpenGroundAreNoObstacleThoughTimeAddsToThem) {
   put(20, 20, {.points = 8, .ground_points = 5, .blocking_points = kStrays, .top = 0.5F});
   around.set(0, 0, columns.get());
   tile::MapTile tile;
-  classify_cells(around, {}, find_vehicles(around), parameters, tile);
+  classify_cells(around, {}, {}, parameters, tile);
   const auto class_of = [&](int column, int row) {
     return tile.cell_class[static_cast<std::size_t>(row * kCellsPerTile + column)];
   };
