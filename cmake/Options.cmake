@@ -27,6 +27,8 @@ target_compile_options(curbstone_options INTERFACE
   # has inlined from std::string and std::vector; preset single, without batches, has these warnings on.
   $<$<BOOL:${CMAKE_UNITY_BUILD}>:-Wno-shadow>
   $<$<AND:$<BOOL:${CMAKE_UNITY_BUILD}>,$<CXX_COMPILER_ID:GNU>>:-Wno-array-bounds;-Wno-stringop-overflow>
+  # What g++ does not warn of, and what it alone knows.
+  $<$<CXX_COMPILER_ID:Clang>:-Wno-double-promotion;-Wno-bitwise-instead-of-logical;-Wno-unknown-pragmas>
   # The compiler collects its garbage beyond 1 GB only: a fifth less time where Eigen, Ceres or Beast fill its memory, which
   # is 0.2 GB more then (services/ekf/model, services/mapper/registration, services/viewer/web).
   $<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=1048576>)
@@ -35,6 +37,7 @@ if(CURBSTONE_WERROR)
 endif()
 if(CURBSTONE_SANITIZE)
   target_compile_options(curbstone_options INTERFACE -fsanitize=${CURBSTONE_SANITIZE} -fno-omit-frame-pointer -O1)
+  target_compile_definitions(curbstone_options INTERFACE CURBSTONE_SANITIZED)
   # Between a sanitizer's checks g++ 12 no longer sees that a std::optional was asked first; preset single has the warning on.
   target_compile_options(curbstone_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(curbstone_options INTERFACE -fsanitize=${CURBSTONE_SANITIZE})

@@ -22,7 +22,7 @@ std::vector<std::unique_ptr<std::vector<char>>> blocks(std::int64_t bytes) {
 class ProcessMemoryTest : public ::testing::Test {
  protected:
   void SetUp() override {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef CURBSTONE_SANITIZED
     GTEST_SKIP() << "memory is the sanitizer's, not the C library's";
 #endif
   }

@@ -17,7 +17,7 @@ class LastingFaults : public EncoderOfADrive {
   void freeze(int side) {
     std::array<std::uint8_t, 8> at{};
     bool known = false;
-    rig_.corrupt = [this, side, at, known](CanFrame& frame) mutable {
+    rig_.corrupt = [side, at, known](CanFrame& frame) mutable {
       if (frame.id != kPositions) return;
       if (!known) std::copy_n(frame.data.begin(), 8, at.begin());
       known = true;

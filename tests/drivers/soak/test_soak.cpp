@@ -13,7 +13,7 @@ using ::testing::Each;
 using ::testing::HasSubstr;
 
 constexpr double kMinute = 1.0 / 60;
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef CURBSTONE_SANITIZED
 constexpr std::int64_t kFlat = INT64_MAX;  // a sanitizer keeps what is freed
 #else
 constexpr std::int64_t kFlat = 4 << 20;  // bytes: what an allocator keeps for itself

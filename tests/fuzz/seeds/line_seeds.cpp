@@ -101,7 +101,7 @@ void write_line_seeds(const SeedFolder& folder) {
     for (std::size_t at = 0; at + 64 <= bytes.size(); at += 64) put_timed(seed, 5000, std::span(bytes).subspan(at, 64));
     if (!seed.empty()) folder.write("xsens", "recorded_" + std::to_string(number), seed);
   }
-  for (const std::uint8_t choice : {0, 1, 3})
+  for (const std::uint8_t choice : {std::uint8_t{0}, std::uint8_t{1}, std::uint8_t{3}})
     folder.write("canopen", "drive_" + std::to_string(choice), canopen(choice));
   folder.write("slcan", "drive", slcan());
   folder.write("modbus", "drive", modbus());
