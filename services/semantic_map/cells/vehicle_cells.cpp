@@ -1,8 +1,10 @@
 #include "services/semantic_map/cells/vehicle_cells.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -78,15 +80,23 @@ bool may_hold_vehicles(const tile::Around<CellColumns>& columns) {
   return num_high >= kHighCells;
 }
 
-bool has_middle_in_tile(const std::vector<CellPlace>& cells) {
+/// The cell nearest to the middle of the cells' extent; of several the first by row and column.
+CellPlace middle_cell(const std::vector<CellPlace>& cells) {
   CellPlace least = cells.front();
   CellPlace most = cells.front();
   for (const CellPlace& at : cells) {
     least = least.cwiseMin(at);
     most = most.cwiseMax(at);
   }
-  const Eigen::Array2i twice_the_middle = (least + most).array();
-  return (twice_the_middle >= 0).all() && (twice_the_middle < 2 * kCellsPerTile).all();
+  const auto order = [&](const CellPlace& at) {
+    return std::tuple((2 * at - least - most).squaredNorm(), at.y(), at.x());
+  };
+  return *std::min_element(cells.begin(), cells.end(),
+                           [&](const CellPlace& a, const CellPlace& b) { return order(a) < order(b); });
+}
+
+bool is_in_tile(CellPlace at) {
+  return (at.array() >= 0).all() && (at.array() < kCellsPerTile).all();
 }
 
 }  // namespace
@@ -97,7 +107,7 @@ std::vector<VehicleOutline> find_vehicles(const tile::Around<CellColumns>& colum
   StandingCells standing(columns);
   for (const CellPlace& place : standing.places()) {
     const Thing thing = standing.take(place);
-    if (thing.high < kHighCells || !has_middle_in_tile(thing.cells)) continue;
+    if (thing.high < kHighCells || !is_in_tile(middle_cell(thing.cells))) continue;
     if (auto outline = VehicleOutline::of(thing.cells)) vehicles.push_back(std::move(*outline));
   }
   return vehicles;

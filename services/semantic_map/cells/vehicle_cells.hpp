@@ -9,9 +9,9 @@
 
 namespace curbstone::semantic_map::cells {
 
-/// What stands in the tiles around, is of the size of a vehicle and has the middle of its extent in the centre tile, in
-/// cells from the centre tile's corner. So each vehicle is one tile's alone, which sees a vehicle of 6 m from end to
-/// end, and of a longer one not more than its window of 9 m. Pure.
+/// What stands in the tiles around, is of the size of a vehicle and whose cell nearest to the middle of its extent is
+/// in the centre tile; in cells from that tile's corner. So each vehicle belongs to one tile, which has points of it,
+/// and which sees a vehicle of 5 to 6 m from end to end; of a longer one not more than its window of 9 m. Pure.
 [[nodiscard]] std::vector<VehicleOutline> find_vehicles(const tile::Around<CellColumns>& columns);
 
 /// Cells of the centre tile that belong to an object of the size of a vehicle: its points, of a low bonnet as of the

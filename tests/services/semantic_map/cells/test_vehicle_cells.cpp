@@ -31,10 +31,12 @@ class StandingWorld {
     }
   }
 
-  /// Finds the vehicles of all tiles, then what they cover.
+  /// Finds the vehicles of all tiles in which something stands (the others may not exist), then what they cover.
   void cover() {
     std::vector<std::vector<VehicleOutline>> vehicles(tiles_.size());
-    for_each_tile([&](int x, int y) { vehicles[index(x, y)] = find_vehicles(around(tiles_, x, y)); });
+    for_each_tile([&](int x, int y) {
+      if (tiles_[index(x, y)].blocked.any()) vehicles[index(x, y)] = find_vehicles(around(tiles_, x, y));
+    });
     num_vehicles_ = 0;
     for (const auto& found : vehicles) num_vehicles_ += found.size();
     covered_.resize(tiles_.size());
@@ -91,16 +93,19 @@ TEST(VehicleCells, OfAWholeCarAreTheCarWhereverItStands) {
   }
 }
 
-TEST(VehicleCells, TwoSidesOfALongCarCoverItsFarCornerWhereverItStands) {
-  constexpr int kLong = 45;  // 5.4 m
-  constexpr int kWide = 16;
+TEST(VehicleCells, TwoSidesOfACarCoverItsFarCornerWhereverItStands) {
+  constexpr int kLong = 40;  // 4.8 m
+  constexpr int kWide = 15;
   for (int column = 60; column < 60 + kCellsPerTile; ++column) {
-    StandingWorld world;
-    for (int i = 0; i < kLong; ++i) world.stand(column + i, 70);
-    for (int i = 0; i < kWide; ++i) world.stand(column, 70 + i);
-    world.cover();
-    EXPECT_TRUE(world.is_covered(column + kLong - 1, 70 + kWide - 1)) << column;
-    EXPECT_EQ(world.num_covered(), static_cast<std::size_t>(kLong * kWide)) << column;
+    for (int row = 60; row < 60 + kCellsPerTile; row += 3) {
+      StandingWorld world;
+      for (int i = 0; i < kLong; ++i) world.stand(column + i, row);
+      for (int i = 0; i < kWide; ++i) world.stand(column, row + i);
+      world.cover();
+      ASSERT_EQ(world.num_vehicles(), 1U) << column << ' ' << row;
+      EXPECT_TRUE(world.is_covered(column + kLong - 1, row + kWide - 1)) << column << ' ' << row;
+      EXPECT_EQ(world.num_covered(), static_cast<std::size_t>(kLong * kWide)) << column << ' ' << row;
+    }
   }
 }
 
